@@ -48,9 +48,10 @@ fn weights_of<const P: usize>(x: f64) -> CellWeights {
         [1.0, 1.0, 1.0 / 2.0, 1.0 / 6.0, 1.0 / 24.0, 1.0 / 120.0];
     let mut weights = [0.0; MAX_DEGREE + 1];
     weights[0] = INVERSE_FACTORIALS[P];
-    for k in 1..=P {
+    // Inclusive ranges are not unrolled.
+    for k in 1..P + 1 {
         // Downwards, because entry j takes entries j − 1 and j of the degree below.
-        for j in (1..=k).rev() {
+        for j in (1..k + 1).rev() {
             let rising = (x + (k - j) as f64) * weights[j - 1];
             let falling = ((j + 1) as f64 - x) * weights[j];
             weights[j] = rising + falling;

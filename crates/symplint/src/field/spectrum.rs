@@ -59,6 +59,18 @@ impl Spectrum {
         self.mean + terms.sum::<f64>()
     }
 
+    /// The same at all samples.
+    pub fn smoothed_samples(&self, count: usize) -> Vec<f64> {
+        let lower = &self.modes[..self.modes.len() / 2];
+        let mut modes = vec![Complex::ZERO; count];
+        for (mode, c) in modes.iter_mut().zip(lower).skip(1) {
+            // The transform has the other sign, so that it takes the conjugates.
+            *mode = 2.0 * c.conj();
+        }
+        symplint_fft::forward(count).process(&mut modes);
+        modes.iter().map(|x| self.mean + x.re).collect()
+    }
+
     /// The power k with which the coefficients fall as m^-k over the last two octaves; `None` if there are too few.
     pub fn decay(&self) -> Option<f64> {
         let highest = self.sizes.len() - 1;
@@ -133,6 +145,9 @@ mod tests {
         let found = spectrum(32, f);
         for s in [0.0, 0.123, 0.77] {
             assert!((found.smoothed(s) - f(s)).abs() < 1e-14);
+        }
+        for (k, smoothed) in found.smoothed_samples(32).iter().enumerate() {
+            assert!((smoothed - f(k as f64 / 32.0)).abs() < 1e-14);
         }
     }
 

@@ -210,9 +210,10 @@ impl<'a> Integration<'a> {
     fn follow_jump(&self, spectrum: &Spectrum) -> Result<Option<f64>, Error> {
         let count = self.power.len();
         let at = |k: usize| k as f64 / count as f64;
-        let rest: Vec<f64> = (0..=count)
-            .map(|k| self.power[k % count] - spectrum.smoothed(at(k)))
-            .collect();
+        let smoothed = spectrum.smoothed_samples(count);
+        let pairs = self.power.iter().zip(&smoothed);
+        let mut rest: Vec<f64> = pairs.map(|(power, smoothed)| power - smoothed).collect();
+        rest.push(rest[0]);
         let change = |k: usize| (rest[k + 1] - rest[k]).abs();
         let Some(largest) = (0..count).max_by(|&a, &b| change(a).total_cmp(&change(b))) else {
             return Ok(None);

@@ -23,6 +23,20 @@ pub(crate) use unwrap::{Turns, nearest, wraps};
 /// Numbers of one vector operation: as many as the widest register holds.
 pub(crate) const LANES: usize = 8;
 
+/// Σ a b, in lanes that do not wait for each other.
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let (a_groups, a_rest) = a.as_chunks::<LANES>();
+    let (b_groups, b_rest) = b.as_chunks::<LANES>();
+    let mut sums = [0.0; LANES];
+    for (a, b) in a_groups.iter().zip(b_groups) {
+        for lane in 0..LANES {
+            sums[lane] += a[lane] * b[lane];
+        }
+    }
+    let rest = a_rest.iter().zip(b_rest).map(|(a, b)| a * b);
+    sums.iter().sum::<f64>() + rest.sum::<f64>()
+}
+
 /// A map may round inside by this part of the range of a coordinate, and the coordinate itself by less. Conventional: half of the digits
 /// of double precision.
 pub(crate) const ROUNDING_INSIDE: f64 = 1.5e-8;

@@ -77,13 +77,16 @@ pub(super) fn best(before: &Integrals, after: &Integrals) -> Option<(LoopIntegra
         .map(|(a, b)| (a.clone(), b.clone()))
 }
 
+/// Numbers that belong to the rows of a polynomial, zeros after the last: a loop has millions of these lists, and none is allocated.
+type OfRows = [f64; ORDERS[ORDERS.len() - 1]];
+
 /// A point of a cell at which a polynomial is evaluated.
 struct Node {
     /// Of Gauss's quadrature.
     weight: f64,
     /// What each row contributes to the value there, and to the derivative.
-    values: Vec<f64>,
-    slopes: Vec<f64>,
+    values: OfRows,
+    slopes: OfRows,
 }
 
 /// The polynomials of one order on a cell.
@@ -94,13 +97,17 @@ struct Stencil {
 
 impl Stencil {
     /// The values of a coordinate at the rows, less that at row `first`, so that little is lost to rounding.
-    fn values(&self, row: &Row, first: usize) -> Vec<f64> {
+    fn values(&self, row: &Row, first: usize) -> OfRows {
         let first = row.at(first);
-        self.rows.iter().map(|&k| row.at(k) - first).collect()
+        let mut values = OfRows::default();
+        for (value, &k) in values.iter_mut().zip(&self.rows) {
+            *value = row.at(k) - first;
+        }
+        values
     }
 }
 
-fn dot(a: &[f64], b: &[f64]) -> f64 {
+fn dot(a: &OfRows, b: &OfRows) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
@@ -122,7 +129,7 @@ impl ArcLength {
         let quadrature = gauss_legendre(ARC_ORDER);
         let mut found = ArcLength::from_cells((n..2 * n).map(distance).collect())?;
         for _ in 0..PASSES {
-            let speed = |node: &Node, values: &[Vec<f64>]| {
+            let speed = |node: &Node, values: &[OfRows]| {
                 let slopes = values.iter().map(|row| dot(&node.slopes, row).powi(2));
                 node.weight * slopes.sum::<f64>().sqrt()
             };
@@ -130,7 +137,7 @@ impl ArcLength {
                 .into_par_iter()
                 .map(|cell| {
                     let stencil = found.stencil(cell, ARC_ORDER, &quadrature)?;
-                    let values: Vec<Vec<f64>> = rows
+                    let values: Vec<OfRows> = rows
                         .iter()
                         .map(|row| stencil.values(row, n + cell))
                         .collect();
@@ -216,7 +223,7 @@ impl ArcLength {
         let weights = barycentric_weights(&at);
         let nodes = (quadrature.iter())
             .map(|&(x, weight)| {
-                let (values, slopes) = lagrange(&at, &weights, 0.5 * (1.0 + x));
+                let [values, slopes] = lagrange(&at, &weights, 0.5 * (1.0 + x));
                 Node {
                     weight: 0.5 * weight,
                     values,
@@ -411,25 +418,26 @@ fn rounding_of(states: &Ensemble, c: usize) -> f64 {
 }
 
 /// The weights of Lagrange interpolation in barycentric form.
-fn barycentric_weights(nodes: &[f64]) -> Vec<f64> {
-    let weight = |j: usize| {
+fn barycentric_weights(nodes: &[f64]) -> OfRows {
+    let mut weights = OfRows::default();
+    for (j, weight) in weights.iter_mut().take(nodes.len()).enumerate() {
         let others = (0..nodes.len()).filter(|&i| i != j);
-        1.0 / others.map(|i| nodes[j] - nodes[i]).product::<f64>()
-    };
-    (0..nodes.len()).map(weight).collect()
+        *weight = 1.0 / others.map(|i| nodes[j] - nodes[i]).product::<f64>();
+    }
+    weights
 }
 
 /// The values of the Lagrange polynomials at `x`, which differs from all their nodes, and their derivatives.
-fn lagrange(nodes: &[f64], weights: &[f64], x: f64) -> (Vec<f64>, Vec<f64>) {
-    let inverse: Vec<f64> = nodes.iter().map(|node| 1.0 / (x - node)).collect();
+fn lagrange(nodes: &[f64], weights: &OfRows, x: f64) -> [OfRows; 2] {
+    let [mut values, mut slopes] = [OfRows::default(); 2];
     let product: f64 = nodes.iter().map(|node| x - node).product();
-    let sum: f64 = inverse.iter().sum();
-    let values: Vec<f64> = (weights.iter().zip(&inverse))
-        .map(|(weight, inverse)| product * weight * inverse)
-        .collect();
-    let slopes = (values.iter().zip(&inverse)).map(|(value, inverse)| value * (sum - inverse));
-    let slopes = slopes.collect();
-    (values, slopes)
+    let sum: f64 = nodes.iter().map(|node| 1.0 / (x - node)).sum();
+    for (j, node) in nodes.iter().enumerate() {
+        let inverse = 1.0 / (x - node);
+        values[j] = product * weights[j] * inverse;
+        slopes[j] = values[j] * (sum - inverse);
+    }
+    [values, slopes]
 }
 
 /// Nodes and weights of Gauss's quadrature on (−1, 1), by Newton's method for the roots of Legendre's polynomial.

@@ -1,7 +1,7 @@
 //! The push of Boris with leapfrog fields, part by part.
 
 use super::Substep;
-use super::coupling::{Coupling, SplinesAt};
+use super::coupling::{Coupling, Place};
 use super::orbit::along;
 use crate::gempic::electromagnetic::{Gempic, difference};
 use crate::gempic::physical::PhysicalState;
@@ -80,9 +80,9 @@ impl BorisPart {
         let mut e1 = state.e1.clone();
         self.to_where_it_is_gathered(&mut e1);
         for a in 0..state.x.len() {
-            let splines = self.coupling.at(state.x[a]);
-            state.v1[a] += half_charge * self.of_edges(&splines, &e1);
-            state.v2[a] += half_charge * splines.of_zero(&state.e2);
+            let place = self.coupling.at(state.x[a]);
+            state.v1[a] += half_charge * self.of_edges(&place, &e1);
+            state.v2[a] += half_charge * place.zero().sum(&state.e2);
         }
     }
 
@@ -106,10 +106,10 @@ impl BorisPart {
     }
 
     /// E1 or B at a particle.
-    fn of_edges(&self, splines: &SplinesAt, values: &[f64]) -> f64 {
+    fn of_edges(&self, place: &Place<'_>, values: &[f64]) -> f64 {
         match self.scheme.gathers_at_nodes {
-            true => splines.of_zero(values),
-            false => splines.of_one(values),
+            true => place.zero().sum(values),
+            false => place.one().sum(values),
         }
     }
 
@@ -130,11 +130,12 @@ impl BorisPart {
                 |x, weight| {
                     coupling
                         .at(x)
-                        .deposit_one(charge * way * weight, &mut along_x);
+                        .one()
+                        .deposit(charge * way * weight, &mut along_x);
                 },
             );
             let middle = coupling.at(x + 0.5 * way);
-            middle.deposit_zero(charge * h * v2, &mut across);
+            middle.zero().deposit(charge * h * v2, &mut across);
             state.x[a] += way;
             state.y[a] += h * v2;
         }

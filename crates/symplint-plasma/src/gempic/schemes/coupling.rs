@@ -12,15 +12,16 @@ pub(super) struct Coupling {
     grid: PeriodicGrid,
 }
 
-/// The splines that do not vanish at one place.
-pub(super) struct SplinesAt {
-    cells: usize,
-    zero: Span,
-    one: Span,
+/// A place on the grid.
+pub(super) struct Place<'a> {
+    coupling: &'a Coupling,
+    cell: usize,
+    fraction: f64,
 }
 
-/// Functions in sequence round the circle, and their values.
-struct Span {
+/// The splines that do not vanish at one place, in sequence round the circle, and their values.
+pub(super) struct Splines {
+    cells: usize,
     first: usize,
     count: usize,
     values: CellWeights,
@@ -73,19 +74,12 @@ impl Coupling {
         self.grid.cells_per_length()
     }
 
-    pub(super) fn at(&self, x: f64) -> SplinesAt {
+    pub(super) fn at(&self, x: f64) -> Place<'_> {
         let (cell, fraction) = self.grid.locate(x);
-        let cells = self.cells();
-        let span = |degree: usize, scale: f64| Span {
-            // The spline that starts in this cell is the last of those that do not vanish.
-            first: (cell + cells * degree - degree) % cells,
-            count: degree + 1,
-            values: bspline::weights(degree, fraction).map(|value| scale * value),
-        };
-        SplinesAt {
-            cells,
-            zero: span(self.degree, 1.0),
-            one: span(self.degree - 1, self.per_length()),
+        Place {
+            coupling: self,
+            cell,
+            fraction,
         }
     }
 
@@ -134,44 +128,50 @@ impl Coupling {
     }
 }
 
-impl Span {
-    fn sum(&self, cells: usize, coefficients: &[f64]) -> f64 {
-        let mut j = self.first;
-        let mut sum = 0.0;
-        for value in &self.values[..self.count] {
-            sum += value * coefficients[j];
-            j = if j + 1 == cells { 0 } else { j + 1 };
-        }
-        sum
+impl Place<'_> {
+    /// Λ⁰_j, the splines of V0.
+    pub(super) fn zero(&self) -> Splines {
+        self.splines(self.coupling.degree, 1.0)
     }
 
-    fn add(&self, cells: usize, charge: f64, sums: &mut [f64]) {
-        let mut j = self.first;
-        for value in &self.values[..self.count] {
-            sums[j] += charge * value;
-            j = if j + 1 == cells { 0 } else { j + 1 };
+    /// Λ¹_j, the splines of V1.
+    pub(super) fn one(&self) -> Splines {
+        self.splines(self.coupling.degree - 1, self.coupling.per_length())
+    }
+
+    fn splines(&self, degree: usize, scale: f64) -> Splines {
+        let cells = self.coupling.cells();
+        Splines {
+            cells,
+            // The spline that starts in this cell is the last of those that do not vanish.
+            first: match self.cell.checked_sub(degree) {
+                Some(first) => first,
+                None => (self.cell + cells * degree - degree) % cells,
+            },
+            count: degree + 1,
+            values: bspline::weights(degree, self.fraction).map(|value| scale * value),
         }
     }
 }
 
-impl SplinesAt {
-    /// The function of V0 with these coefficients.
-    pub(super) fn of_zero(&self, coefficients: &[f64]) -> f64 {
-        self.zero.sum(self.cells, coefficients)
+impl Splines {
+    /// The function with these coefficients.
+    pub(super) fn sum(&self, coefficients: &[f64]) -> f64 {
+        let mut j = self.first;
+        let mut sum = 0.0;
+        for value in &self.values[..self.count] {
+            sum += value * coefficients[j];
+            j = if j + 1 == self.cells { 0 } else { j + 1 };
+        }
+        sum
     }
 
-    /// The function of V1 with these coefficients.
-    pub(super) fn of_one(&self, coefficients: &[f64]) -> f64 {
-        self.one.sum(self.cells, coefficients)
-    }
-
-    /// Adds `charge` Λ⁰_j to every sum.
-    pub(super) fn deposit_zero(&self, charge: f64, sums: &mut [f64]) {
-        self.zero.add(self.cells, charge, sums);
-    }
-
-    /// Adds `charge` Λ¹_j to every sum.
-    pub(super) fn deposit_one(&self, charge: f64, sums: &mut [f64]) {
-        self.one.add(self.cells, charge, sums);
+    /// Adds `charge` times its spline to every sum.
+    pub(super) fn deposit(&self, charge: f64, sums: &mut [f64]) {
+        let mut j = self.first;
+        for value in &self.values[..self.count] {
+            sums[j] += charge * value;
+            j = if j + 1 == self.cells { 0 } else { j + 1 };
+        }
     }
 }

@@ -120,10 +120,10 @@ impl MeanFieldStep {
                 }
             };
             along(coupling, is_averaged, x, way, |x, weight| {
-                let splines = coupling.at(x);
+                let here = coupling.at(x);
                 let share = charge * weight / parts as f64;
-                splines.deposit_one(share * mean[0], &mut pushed.current1);
-                splines.deposit_zero(share * mean[1], &mut pushed.current2);
+                here.one().deposit(share * mean[0], &mut pushed.current1);
+                here.zero().deposit(share * mean[1], &mut pushed.current2);
             });
             if self.push != Push::Held {
                 place = [x + way, place[1] + part * mean[1]];

@@ -71,10 +71,11 @@ pub(super) fn felt(
 ) -> Felt {
     let mut felt = Felt::default();
     along(coupling, is_averaged, x, way, |x, weight| {
-        let splines = coupling.at(x);
-        felt.e1 += weight * splines.of_one(fields.e1);
-        felt.e2 += weight * splines.of_zero(fields.e2);
-        felt.b += weight * splines.of_one(fields.b);
+        let place = coupling.at(x);
+        let one = place.one();
+        felt.e1 += weight * one.sum(fields.e1);
+        felt.e2 += weight * place.zero().sum(fields.e2);
+        felt.b += weight * one.sum(fields.b);
     });
     felt
 }

@@ -8,7 +8,7 @@ use symplint_fft::Complex64;
 use super::row::pack;
 use super::take_off_ramp;
 use super::transform::transform;
-use crate::signal::{Extent, nearest, unwrap_row};
+use crate::signal::{Extent, dot, nearest, unwrap_row};
 use crate::state::{Coordinates, Ensemble, coordinate, period};
 
 /// How much of each sample the upper half of the modes makes up, in units of the size of its coordinate; the largest of all
@@ -61,21 +61,27 @@ pub(crate) fn misses(
             (row, gain, size)
         })
         .collect();
+    let turns: Vec<(f64, f64)> = (0..n)
+        .map(|k| (PI * k as f64 / n as f64).sin_cos())
+        .collect();
     let of_state = |(j, &s): (usize, &f64)| {
-        let weights: Vec<f64> = (0..n)
-            .map(|k| {
-                let angle = PI * (s - k as f64 / n as f64);
-                let sign = if k.is_multiple_of(2) { 1.0 } else { -1.0 };
-                match n.is_multiple_of(2) {
-                    true => sign / angle.tan(),
-                    false => sign / angle.sin(),
-                }
-            })
-            .collect();
+        // Angles are taken from the nearest sample: the addition theorems lose nothing on the samples next to it.
+        let nearest_sample = (s * n as f64).round();
+        let (sin, cos) = (PI * (s - nearest_sample / n as f64)).sin_cos();
+        let weight = |&(of_sin, of_cos): &(f64, f64)| {
+            let denominator = sin * of_cos - cos * of_sin;
+            match n.is_multiple_of(2) {
+                true => (cos * of_cos + sin * of_sin) / denominator,
+                false => 1.0 / denominator,
+            }
+        };
+        // From the nearest sample round the loop, with alternating signs.
+        let mut weights: Vec<f64> = turns.iter().map(weight).collect();
+        weights.iter_mut().skip(1).step_by(2).for_each(|w| *w = -*w);
+        weights.rotate_right(nearest_sample as usize % n);
         let all: f64 = weights.iter().sum();
         let miss = |(c, (row, gain, size)): (usize, &(Vec<f64>, f64, f64))| {
-            let sum: f64 = weights.iter().zip(row).map(|(w, x)| w * x).sum();
-            let expected = sum / all + gain * s;
+            let expected = dot(&weights, row) / all + gain * s;
             let off = nearest(coordinate(between, c)[j] - expected, period(coordinates, c));
             (off / size).abs()
         };

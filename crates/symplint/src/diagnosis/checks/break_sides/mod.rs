@@ -13,7 +13,7 @@ use crate::error::Error;
 use crate::evidence::{AlongFlow, BreakSides, CoordinateAtBreak, PositionAtBreak};
 use crate::map::{LoopSize, states_at};
 use crate::rules::Subject;
-use crate::signal::nearest;
+use crate::signal::{dot, nearest};
 use crate::state::{Ensemble, coordinate, coordinate_mut, period};
 
 /// The images of states on both sides of a break, the nearest first.
@@ -240,10 +240,6 @@ fn along_flow(
         part = next;
     }
     Ok(best)
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 fn norm(a: &[f64]) -> f64 {
