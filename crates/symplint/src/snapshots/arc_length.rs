@@ -191,7 +191,8 @@ impl ArcLength {
             });
         }
         let least = LEAST_DISTANCE * width;
-        let mut rows = vec![first];
+        let mut rows = Vec::with_capacity(order);
+        rows.push(first);
         let before = (last - n + 1..first).rev();
         for k in before {
             if rows.len() == order / 2 {
@@ -248,6 +249,7 @@ impl ArcLength {
         let rows: Vec<[Row; 2]> = (0..dof)
             .map(|i| [i, dof + i].map(|c| Row::new(coordinate(states, c), period(coordinates, c))))
             .collect();
+        let roundings: Vec<f64> = (0..2 * dof).map(|c| rounding_of(states, c)).collect();
         let n = states.samples();
         let quadrature = gauss_legendre(ORDERS[ORDERS.len() - 1]);
         // Of about the same size, so that each has enough cells for a median.
@@ -282,7 +284,7 @@ impl ArcLength {
                     let momentum = row[1].at(n + cell) + coordinate(states, dof + i)[0];
                     jumps.push((distances, momentum.abs()));
                 }
-                let of_jumps = jumps_between(&jumps, [i, dof + i].map(|c| rounding_of(states, c)));
+                let of_jumps = jumps_between(&jumps, [i, dof + i].map(|c| roundings[c]));
                 sums.iter_mut().for_each(|sums| sums[i][1] += of_jumps);
             }
             sums
