@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use ::png::{ColorType, Encoder, EncodingError, PixelDimensions, Unit};
+use ::png::{ColorType, Encoder, EncodingError, Filter, PixelDimensions, Unit};
 use tiny_skia::{
     FillRule, LineJoin, Paint, Path as Outline, PathBuilder, Pixmap, Stroke, Transform,
 };
@@ -55,20 +55,20 @@ pub(super) fn write(
 
 /// The bytes of a PNG file. All pixels are opaque, because the page is a mark.
 fn encoded(picture: &Pixmap) -> Result<Vec<u8>, EncodingError> {
-    let colors: Vec<u8> = (picture.data().chunks_exact(4))
-        .flat_map(|pixel| &pixel[..3])
-        .copied()
-        .collect();
+    let (pixels, _) = picture.data().as_chunks::<4>();
+    let colors: Vec<[u8; 3]> = pixels.iter().map(|&[r, g, b, _]| [r, g, b]).collect();
     let mut file = Vec::new();
     let mut encoder = Encoder::new(&mut file, picture.width(), picture.height());
     encoder.set_color(ColorType::Rgb);
+    // Lines on a plain page repeat as they are.
+    encoder.set_filter(Filter::NoFilter);
     encoder.set_pixel_dims(Some(PixelDimensions {
         xppu: PIXELS_OF_METRE,
         yppu: PIXELS_OF_METRE,
         unit: Unit::Meter,
     }));
     let mut writer = encoder.write_header()?;
-    writer.write_image_data(&colors)?;
+    writer.write_image_data(colors.as_flattened())?;
     writer.finish()?;
     Ok(file)
 }
