@@ -536,9 +536,9 @@ def _run(
 def _of_force(text: str, what: str) -> str:
     """The text of an error in the words of a force or a field."""
     if what == "force":
-        text = re.sub(r"^p of degree of freedom (\d+)", r"F[\1]", text)
+        text = re.sub(r"^p\[(\d+)\]", r"F[\1]", text)
     else:
-        text = re.sub(r"^([qp]) of degree of freedom (\d+)", r"f_\1[\2]", text)
+        text = re.sub(r"^([qp])\[(\d+)\]", r"f_\1[\2]", text)
     return text.replace("the map", f"the {what}")
 
 

@@ -118,7 +118,7 @@ def test_numbers_that_are_not_finite(value):
         p[(q > 1.9) & (h == 0.25)] = value
         return q, p
 
-    with pytest.raises(symplint.StepError, match="p of degree of freedom 0 is") as caught:
+    with pytest.raises(symplint.StepError, match=r"p\[0\] is") as caught:
         symplint.check(step, 1.0, 0.5, **SIZES)
     assert caught.value.h == 0.25 and caught.value.__cause__ is None
     assert 0.0 < caught.value.s < 0.5 and caught.value.sample is not None
@@ -166,7 +166,7 @@ def test_a_loop_that_fails():
     with pytest.raises(symplint.InputError, match="loop returned an object of type NoneType; return q and p$"):
         symplint.check(verlet, 1.0, 0.5, loop=lambda s: None, **SIZES)
 
-    with pytest.raises(symplint.InputError, match="q of degree of freedom 0 is NaN"):
+    with pytest.raises(symplint.InputError, match=r"q\[0\] is NaN"):
         symplint.check(verlet, 1.0, 0.5, loop=lambda s: (s * np.nan, 0.0 * s), **SIZES)
 
     with pytest.raises(symplint.InputError, match="not closed"):

@@ -118,7 +118,7 @@ MISTAKES = {
     "three results": (three_results, ONE, {}, ["tuple of length 3", "return q and p"]),
     "a dictionary": (a_dictionary, ONE, {}, ["dict", "return q and p"]),
     "complex numbers": (complex_numbers, ONE, {}, ["complex128", "real numbers"]),
-    "division by zero": (divided_by_zero, ONE, {}, ["q of degree of freedom 0 is inf", "smaller step sizes"]),
+    "division by zero": (divided_by_zero, ONE, {}, ["q[0] is inf", "smaller step sizes"]),
     "memory": (counts(), ONE, {}, ["depends on earlier calls", "depend only on h and the state"]),
     "no function": (3, ONE, {}, ["step is an object of type int", "step(q, p, h)"]),
     "nothing": (None, ONE, {}, ["step is missing", "substeps"]),

@@ -148,10 +148,19 @@ def python() -> Iterator[str]:
     yield "## Errors\n\n" + table(
         ["error", "also", "meaning"],
         [
-            [f"`{name}`", ", ".join(f"`{base.__name__}`" for base in value.__bases__), (inspect.getdoc(value) or "").split("\n\n")[0]]
+            [f"`{name}`", ", ".join(f"`{base.__name__}`" for base in public_bases(value)), (inspect.getdoc(value) or "").split("\n\n")[0]]
             for name, value in sorted(errors.items())
         ],
     )
+
+
+def public_bases(error: type) -> Iterator[type]:
+    """The classes that an error is of, without private ones between."""
+    for base in error.__bases__:
+        if base.__name__.startswith("_"):
+            yield from public_bases(base)
+        else:
+            yield base
 
 
 def argument_text(argument: inspect.Parameter) -> str:

@@ -43,11 +43,11 @@ pub fn read_state(path: &Path, dof: usize) -> Result<(Vec<f64>, Vec<f64>), State
             "give one position and one momentum for each degree of freedom of the system",
         ));
     }
-    for (coordinate, values) in [("position", &q), ("momentum", &p)] {
+    for (coordinate, values) in [("q", &q), ("p", &p)] {
         if let Some(i) = values.iter().position(|value| !value.is_finite()) {
             return Err(unusable(
                 format!(
-                    "in {name} the {coordinate} of degree of freedom {i} is {}",
+                    "in {name} {coordinate}[{i}] is {}",
                     values[i]
                 ),
                 "give finite numbers",

@@ -165,7 +165,7 @@ pub enum Error {
     },
     /// A state that is not finite.
     #[error(
-        "{coordinate} of degree of freedom {dof} is {value} at {at}{}; {remedy}",
+        "{coordinate}[{dof}] is {value} at {at}{}; {remedy}",
         .step_size.map_or(String::new(), |h| format!(" after a step of h = {h:?}"))
     )]
     NotFinite {
@@ -299,8 +299,7 @@ pub enum Error {
     },
     /// A loop that does not end where it begins.
     #[error(
-        "the loop is not closed: {coordinate} of degree of freedom {dof} is {gap:.2e} away from where it began when s \
-         reaches 1; let s run through full turns (2π, not 6.28), or state the period of the coordinate"
+        "the loop is not closed: {coordinate}[{dof}] is {gap:.2e} away from where it began when s reaches 1; let s run through full turns (2π, not 6.28), or state the period of the coordinate"
     )]
     OpenLoop {
         /// `'q'` or `'p'`.

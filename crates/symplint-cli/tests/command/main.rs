@@ -257,7 +257,7 @@ fn one_bad_step_size_is_named_and_the_others_are_measured() {
         ("half", &["cannot be used", "{after}"]),
         ("nothing", &["wrote no {after}"]),
         ("fifo", &["{after}, which is not a regular file"]),
-        ("nan", &["p = NaN of degree of freedom 0"]),
+        ("nan", &["p[0] = NaN"]),
         (
             "count",
             &["samples of 1 degrees of freedom where {before} has"],

@@ -146,7 +146,7 @@ pub enum LoopFileError {
         expected: &'static str,
     },
     /// A state that is not finite.
-    #[error("{} has {coordinate} = {value} of degree of freedom {dof} in sample {sample}", path.display())]
+    #[error("{} has {coordinate}[{dof}] = {value} in sample {sample}", path.display())]
     NotFinite {
         /// The file.
         path: PathBuf,

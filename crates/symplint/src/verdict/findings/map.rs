@@ -131,8 +131,8 @@ fn fmt_precision(f: &mut Formatter<'_>, precision: &OutputPrecision) -> Result {
     };
     write!(
         f,
-        "After the step {} of degree of freedom {} {format}, at every sample: the map rounds what it returns, to \
-         about {:.0e}. Its states are no better than that; the loop integral averages over them.",
+        "After the step {}[{}] {format}, at every sample: the map rounds what it returns, to about {:.0e}. A single \
+         state is known to this precision; the loop integral averages over many.",
         precision.coordinate, precision.dof, precision.unit
     )
 }

@@ -110,7 +110,7 @@ impl Display for SampleFinding {
                 let when = step.map_or("before the step".into(), |step| step.to_string());
                 write!(
                     f,
-                    "q of degree of freedom {dof} jumps by its whole range of {} {when}, as a position in a \
+                    "q[{dof}] jumps by its whole range of {} {when}, as a position in a \
                      periodic box does.",
                     short(*period)
                 )
