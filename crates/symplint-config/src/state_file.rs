@@ -46,10 +46,7 @@ pub fn read_state(path: &Path, dof: usize) -> Result<(Vec<f64>, Vec<f64>), State
     for (coordinate, values) in [("q", &q), ("p", &p)] {
         if let Some(i) = values.iter().position(|value| !value.is_finite()) {
             return Err(unusable(
-                format!(
-                    "in {name} {coordinate}[{i}] is {}",
-                    values[i]
-                ),
+                format!("in {name} {coordinate}[{i}] is {}", values[i]),
                 "give finite numbers",
             ));
         }
