@@ -127,7 +127,7 @@ mod tests {
     #[test]
     fn the_time_left_of_a_slow_map_is_within_a_factor_of_two_in_the_second_half() {
         let map = PerSample::new(1, |h: f64, q: &mut [f64], p: &mut [f64]| {
-            thread::sleep(Duration::from_millis(5));
+            thread::sleep(Duration::from_millis(6));
             p[0] -= h * q[0].sin();
             q[0] += h * p[0];
         });
@@ -150,7 +150,7 @@ mod tests {
                 };
                 let mut line = ProgressLine::new(progress);
                 while !ended.load(Ordering::Relaxed) {
-                    thread::sleep(Duration::from_millis(100));
+                    thread::sleep(Duration::from_millis(50));
                     let text = line.text();
                     assert!(text.contains("of at most 1,000 evaluations"), "{text}");
                     assert!(!text.contains(" 0 s"), "{text}");
