@@ -38,7 +38,7 @@ fn states_that_are_not_finite_are_named() {
             "{error:?}"
         );
         let text = error.to_string();
-        for part in ["degree of freedom 1", "sample 200", "h = 0.125"] {
+        for part in ["q[1] is", "sample 200", "h = 0.125"] {
             assert!(text.contains(part), "{text}");
         }
     }
