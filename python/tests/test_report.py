@@ -267,7 +267,7 @@ def test_arrays_in_c_order_are_integrated_in_parts():
     assert symplint.loop_integral(q, p, **periodic).value == pytest.approx(symplint.loop_integral(np.asfortranarray(q), p, **periodic).value)
     lost = q.copy()
     lost[20, 65] = np.inf
-    with pytest.raises(symplint.InputError, match="degree of freedom 65"):
+    with pytest.raises(symplint.InputError, match=r"q\[65\] is inf"):
         symplint.loop_integral(lost, p)
 
 
