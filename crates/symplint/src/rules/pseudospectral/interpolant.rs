@@ -61,25 +61,31 @@ pub(crate) fn misses(
             (row, gain, size)
         })
         .collect();
-    let turns: Vec<(f64, f64)> = (0..n)
-        .map(|k| (PI * k as f64 / n as f64).sin_cos())
+    let ones = vec![1.0; n];
+    // Less than half a turn to either side: sines near π would be rounded more than they are large.
+    let turns: Vec<[f64; 3]> = (0..n as i64)
+        .map(|k| if 2 * k > n as i64 { k - n as i64 } else { k })
+        .map(|k| {
+            let (sin, cos) = (PI * k as f64 / n as f64).sin_cos();
+            [sin, cos, if k % 2 == 0 { 1.0 } else { -1.0 }]
+        })
         .collect();
     let of_state = |(j, &s): (usize, &f64)| {
         // Angles are taken from the nearest sample: the addition theorems lose nothing on the samples next to it.
         let nearest_sample = (s * n as f64).round();
         let (sin, cos) = (PI * (s - nearest_sample / n as f64)).sin_cos();
-        let weight = |&(of_sin, of_cos): &(f64, f64)| {
+        let weight = |&[of_sin, of_cos, sign]: &[f64; 3]| {
             let denominator = sin * of_cos - cos * of_sin;
             match n.is_multiple_of(2) {
-                true => (cos * of_cos + sin * of_sin) / denominator,
-                false => 1.0 / denominator,
+                true => sign * (cos * of_cos + sin * of_sin) / denominator,
+                false => sign / denominator,
             }
         };
-        // From the nearest sample round the loop, with alternating signs.
+        // From the nearest sample round the loop.
         let mut weights: Vec<f64> = turns.iter().map(weight).collect();
-        weights.iter_mut().skip(1).step_by(2).for_each(|w| *w = -*w);
         weights.rotate_right(nearest_sample as usize % n);
-        let all: f64 = weights.iter().sum();
+        // As the numerators are summed, so that what rounding does to both is alike.
+        let all = dot(&weights, &ones);
         let miss = |(c, (row, gain, size)): (usize, &(Vec<f64>, f64, f64))| {
             let expected = dot(&weights, row) / all + gain * s;
             let off = nearest(coordinate(between, c)[j] - expected, period(coordinates, c));
