@@ -115,13 +115,15 @@ unsafe fn of_each(
     let mut integrate = |q: Rows<'_>, p: Rows<'_>, first: usize| {
         for row in 0..q.count() {
             let i = first + row;
-            let of_row = |error: symplint::Error| {
-                let Failure { status, text } = error.into();
+            let of_row = |mut error: symplint::Error| {
+                use symplint::Error::{BadCoordinate, NotFinite, Overflow};
                 // The row is a separate ensemble, which has no other degree of freedom.
-                Failure::new(
-                    status,
-                    text.replace("degree of freedom 0", &format!("degree of freedom {i}")),
-                )
+                if let NotFinite { dof, .. } | BadCoordinate { dof, .. } | Overflow { dof, .. } =
+                    &mut error
+                {
+                    *dof = i;
+                }
+                Failure::from(error)
             };
             let mut coordinates = Coordinates::plain(1);
             if let Some(period) = &period {
