@@ -77,7 +77,7 @@ pub(super) fn best(before: &Integrals, after: &Integrals) -> Option<(LoopIntegra
         .map(|(a, b)| (a.clone(), b.clone()))
 }
 
-/// Numbers that belong to the rows of a polynomial, zeros after the last: a loop has millions of these lists, and none is allocated.
+/// Numbers that belong to the rows of a polynomial, zeros after the last. An array, because a loop has millions of them.
 type OfRows = [f64; ORDERS[ORDERS.len() - 1]];
 
 /// A point of a cell at which a polynomial is evaluated.
