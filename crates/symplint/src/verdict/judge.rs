@@ -12,7 +12,7 @@ use super::findings::{
     RunFinding, SampleFinding, Step, StepRange,
 };
 use super::jacobian::{JacobianVerdict, compare_jacobian};
-use super::order::{Fit, fit_order, leaves};
+use super::order::{Fit, clear, fit_order, known_data, leaves};
 use super::properties::{Property, properties};
 use super::slope::{constant_defect, slope_of, smallest_steps_slope};
 use super::thresholds::{FAR, HIGHEST_ORDER, MAX_SLOPE_DIFFERENCE, SMALL, TREND};
@@ -435,9 +435,7 @@ impl<'a> Case<'a> {
         } else if let Some((_, converges)) = threshold {
             decision.advice.push(Advice::LetStepConverge { converges });
         } else {
-            decision
-                .advice
-                .extend(self.advice_on_order(trend.is_some()));
+            decision.advice.extend(self.advice_on_order(law.is_some()));
         }
         Some(decision)
     }
@@ -495,8 +493,8 @@ impl<'a> Case<'a> {
     }
 
     /// What would show the order of a defect, of all loops that were swept over step sizes.
-    fn advice_on_order(&self, has_trend: bool) -> Option<Advice> {
-        if has_trend || self.evidence.survey.ignores_step_size {
+    fn advice_on_order(&self, has_law: bool) -> Option<Advice> {
+        if has_law || self.evidence.survey.ignores_step_size {
             return None;
         }
         if self.steps().any(|(_, step)| step.step_size.is_none()) {
@@ -518,12 +516,20 @@ impl<'a> Case<'a> {
             let wanted = 2 * spent * of_each;
             return Some(Advice::MoreEvaluations { wanted });
         }
+        let swept = || self.loops.iter().filter(|found| !found.winds);
         let significant = |found: &LoopEvidence| {
             let steps = found.steps.iter().filter(|step| step.is_significant());
             steps.count()
         };
-        let most = self.loops.iter().filter(|found| !found.winds);
-        let drowned = most.map(significant).max()? < FEWEST_OF_A_LAW;
+        let drowned = swept().map(significant).max()? < FEWEST_OF_A_LAW;
+        // At smaller steps than these the defects are not above their uncertainty.
+        let shrinks = |found: &LoopEvidence| {
+            let known = known_data(found);
+            known.len() >= FEWEST_OF_A_LAW && clear(&known).first() == known.first()
+        };
+        if !drowned && !swept().any(shrinks) {
+            return None;
+        }
         Some(Advice::NoOrder { given, drowned })
     }
 

@@ -62,8 +62,7 @@ pub(super) type Datum = (f64, f64, f64);
 /// Fits the defect's power of h at the smallest steps where the defect is well above its uncertainty.
 ///
 /// The law is E = h^k (a + b h + c h²), signed: a sign change of E, which bends the curve of |E|, is part of the law. k is a
-/// whole number within the local slopes of |E| between neighbouring step sizes. With three points, or if no such law fits,
-/// the fit is the mean slope.
+/// whole number. With three points, or if no such law fits, the fit is the mean slope.
 ///
 /// A constant part cancels in the differences between neighbouring step sizes. They have to follow the same law; if they
 /// follow one and the defects do not, the constant is a term of the law. `None` with fewer than three points, over less than
@@ -74,7 +73,6 @@ pub(super) fn fit_order(evidence: &LoopEvidence) -> Option<Fit> {
     let wide = |data: &[Datum]| {
         data.len() >= FEWEST_OF_A_LAW && data[data.len() - 1].0 >= NARROWEST_RANGE * data[0].0
     };
-    let of_defects = wide(data).then(|| whole_law(data).or_else(|| plain_law(data)));
     let changes = differences(&known);
     // At smaller steps, but for one, the constant alone is seen: no local slope differs from 0.
     let is_seen = |(change, known): (&Datum, &Datum)| change.1.abs() > WHOLE * known.1.abs();
@@ -82,6 +80,12 @@ pub(super) fn fit_order(evidence: &LoopEvidence) -> Option<Fit> {
     let changes = &changes[seen.unwrap_or(changes.len()).saturating_sub(1)..];
     let changes = &clear(changes)[..];
     let of_changes = wide(changes).then(|| whole_law(changes)).flatten();
+    let is_same = |a: (f64, f64), b: (f64, f64)| (a.0 - b.0).abs() <= WHOLE;
+    let hidden =
+        || hidden_law(data).filter(|law| of_changes.is_none_or(|other| is_same(*law, other)));
+    let of_defects = wide(data)
+        .then(|| whole_law(data).or_else(hidden).or_else(|| plain_law(data)))
+        .flatten();
     let sign = sign_of_steps(evidence);
     let fit = |(slope, uncertainty): (f64, f64), constant, data: &[Datum]| Fit {
         quantity: "defect",
@@ -99,9 +103,9 @@ pub(super) fn fit_order(evidence: &LoopEvidence) -> Option<Fit> {
         let data = &known[first..=first + changes.len()];
         constant(data, law.0).map(|constant| fit(law, Some(constant), data))
     };
-    match (of_defects.flatten(), of_changes) {
+    match (of_defects, of_changes) {
         (Some(law), None) => Some(fit(law, None, data)),
-        (Some(law), Some(other)) if (law.0 - other.0).abs() <= WHOLE => Some(fit(law, None, data)),
+        (Some(law), Some(other)) if is_same(law, other) => Some(fit(law, None, data)),
         (Some(law), Some(other)) if law.0 <= TREND => {
             with_constant(other).or_else(|| Some(fit(law, None, data)))
         }
@@ -185,9 +189,9 @@ fn local_slopes(data: &[Datum]) -> (f64, f64) {
         })
 }
 
-/// The exponent k of h^k (a + b h + c h²), and how far it can be off: a whole number within the local slopes, as it is for
-/// every smooth map.
-fn whole_law(data: &[Datum]) -> Option<(f64, f64)> {
+/// The highest exponent of h^k (a + b h + c h²) that fits, and the whole number up to it, if that fits, as the exponent of every
+/// smooth map does.
+fn highest_exponent(data: &[Datum]) -> Option<(f64, f64)> {
     if data.len() < 4 {
         return None;
     }
@@ -200,10 +204,25 @@ fn whole_law(data: &[Datum]) -> Option<(f64, f64)> {
         return None;
     }
     let whole = Some((highest + STEP / 2.0).floor()).filter(fits)?;
+    Some((highest, whole))
+}
+
+/// The exponent k of h^k (a + b h + c h²), and how far it can be off: a whole number within the local slopes.
+fn whole_law(data: &[Datum]) -> Option<(f64, f64)> {
+    let (highest, whole) = highest_exponent(data)?;
     let (low, high) = local_slopes(data);
     let within = (low - WHOLE..=high + WHOLE).contains(&whole);
     let uncertainty = highest - whole;
     (within && uncertainty <= MOST_UNCERTAIN).then_some((whole, uncertainty))
+}
+
+/// The same of h^k (a + b h) if no local slope is k, because the second term is larger at all steps or has the other sign. Three terms
+/// would fit defects of no order, too.
+fn hidden_law(data: &[Datum]) -> Option<(f64, f64)> {
+    let (highest, whole) = highest_exponent(data)?;
+    let fits = |&k: &f64| misfit(data, k, &[0, 1]) <= 1.0;
+    let highest = exponents(whole, highest).rev().find(fits)?;
+    fits(&whole).then_some((whole, highest - whole))
 }
 
 /// The constant e of E = e + h^k (a + b h), if no power of h below k takes its place and two neighbouring local slopes of
@@ -370,6 +389,16 @@ pub(super) mod tests {
         assert_eq!(order(|h| h.powi(3) * (1.0 - 300.0 * h)), 3.0);
         assert_eq!(order(|h| h.powi(2) * (0.1 + 5.0 * h - 40.0 * h * h)), 2.0);
         assert_eq!(order(|h| (h.powi(3) * 0.2).sin() + h.powi(4)), 3.0);
+    }
+
+    #[test]
+    fn a_leading_term_that_is_smaller_at_all_steps_is_the_order() {
+        // As on loops near a symmetry of the system. The second one changes its sign between the smallest steps.
+        assert_eq!(order(|h| h.powi(4) + 4e-4 * h.powi(3)), 3.0);
+        assert_eq!(order(|h| h.powi(4) - 2.5e-3 * h.powi(3)), 3.0);
+        // Too small to be told from another law.
+        let fit = fit_order(&evidence(|h| h.powi(4) + 1e-5 * h.powi(3), 1e-16)).expect("a law");
+        assert_ne!(fit.whole(), Some(3.0), "{fit:?}");
     }
 
     #[test]
