@@ -1,12 +1,10 @@
 //! Jumps that are too small to break a loop.
 
-use rayon::prelude::*;
-
 use super::limits::LEAST_JUMP;
 use super::residual::{may_jump, rounding};
 use super::search::find_jumps;
 use crate::signal::{Extent, UNIT_ROUNDOFF, largest, unwrap_row, wraps};
-use crate::state::{Coordinates, Ensemble};
+use crate::state::{Coordinates, Ensemble, in_parallel};
 
 /// What jumps too small to break a loop contribute to its integral at most, Σ |p Δq| over the cells in which samples
 /// show them; cells with one of the `known` breaks, given by their s, are left out.
@@ -35,7 +33,7 @@ pub(crate) fn little_jumps(samples: &Ensemble, coordinates: &Coordinates, known:
             .map(|jump| (momenta[jump.cell] * jump.size).abs());
         coordinates.weight(i).abs() * sizes.sum::<f64>()
     };
-    let of_dofs: Vec<f64> = (0..samples.dof()).into_par_iter().map(of_dof).collect();
+    let of_dofs = in_parallel(0..samples.dof(), 2 * samples.samples(), of_dof);
     of_dofs.iter().sum()
 }
 

@@ -26,16 +26,14 @@ pub(crate) use residual::{
 };
 pub(crate) use search::{Jump, Roughness, find_jumps};
 
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::error::Error;
 use crate::loops::Loop;
 use crate::map::{EvaluationCount, Evaluator, TimeAdvance};
 use crate::signal::{largest, unwrap_row, wraps};
-use crate::state::Coordinates;
-use crate::state::Ensemble;
 use crate::state::scratch::with_buffer;
+use crate::state::{Coordinates, Ensemble, in_parallel};
 
 /// A point at which an advanced loop is discontinuous, in the degree of freedom that led to it, or that jumps most.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -154,19 +152,16 @@ fn suspects(ensemble: &Ensemble, coordinates: &Coordinates) -> Vec<Suspect> {
     if ensemble.samples() < GROUP {
         return Vec::new();
     }
-    let mut found: Vec<Suspect> = (0..ensemble.dof())
-        .into_par_iter()
-        .map(|dof| {
-            let (q, p) = (ensemble.q().row(dof), ensemble.p().row(dof));
-            let rows = [
-                (Coordinate::Q, q, coordinates.period(dof)),
-                (Coordinate::P, p, coordinates.momentum_period(dof)),
-            ];
-            rows.map(|(coordinate, row, period)| suspect(dof, coordinate, row, period))
-        })
-        .flatten_iter()
-        .flatten()
-        .collect();
+    let of_dof = |dof: usize| {
+        let (q, p) = (ensemble.q().row(dof), ensemble.p().row(dof));
+        let rows = [
+            (Coordinate::Q, q, coordinates.period(dof)),
+            (Coordinate::P, p, coordinates.momentum_period(dof)),
+        ];
+        rows.map(|(coordinate, row, period)| suspect(dof, coordinate, row, period))
+    };
+    let of_dofs = in_parallel(0..ensemble.dof(), 2 * ensemble.samples(), of_dof);
+    let mut found: Vec<Suspect> = of_dofs.into_iter().flatten().flatten().collect();
     most_outstanding(&mut found);
     found
 }

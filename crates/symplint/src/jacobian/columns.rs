@@ -1,14 +1,12 @@
 //! Columns of the Jacobian at one point: derivatives of the step along tangent vectors.
 
-use rayon::prelude::*;
-
 use super::derivative::Derivative;
 use super::directions::{self, Directions};
 use super::evidence::{JacobianPoint, TangentDefect};
 use super::frame::Estimate;
 use super::sampler::Sampler;
 use super::volume::PointVolume;
-use crate::state::coordinate;
+use crate::state::{coordinate, in_parallel};
 
 /// Tangent vectors at a point, in units of the frame, and the derivatives along them once they are measured.
 pub(super) struct Columns {
@@ -126,7 +124,7 @@ impl Columns {
                 dofs: full.then(|| (frame.dof_of(i), frame.dof_of(j))),
             }
         };
-        let defects: Vec<TangentDefect> = pairs.par_iter().map(defect).collect();
+        let defects = in_parallel(&pairs, 4 * frame.dof(), defect);
         let converged = self
             .derivatives
             .iter()

@@ -2,8 +2,6 @@
 
 use std::ops::Range;
 
-use rayon::prelude::*;
-
 use super::columns::Columns;
 use super::constants::CONSTANTS;
 use super::derivative::Derivative;
@@ -18,7 +16,7 @@ use crate::map::{Evaluator, LoopSize};
 use crate::signal::nearest;
 use crate::signal::noise::SAFETY;
 use crate::signal::noise::{Noise, of_a_row};
-use crate::state::{Block, Ensemble, coordinate};
+use crate::state::{Block, Ensemble, coordinate, in_parallel};
 
 /// A tangent vector at a point, in units of the frame.
 #[derive(Clone, Copy)]
@@ -269,8 +267,8 @@ impl<'a> Sampler<'a> {
             let distances = |levels| richardson::displacements(levels).collect::<Vec<f64>>();
             let first = self.displaced(batch, &distances(FIRST))?;
             let of_first = |k: usize| self.extrapolated(batch[k].point, &[(&first, k)]);
-            let mut derivatives: Vec<Derivative> =
-                (0..batch.len()).into_par_iter().map(of_first).collect();
+            let numbers = richardson::STATES * 2 * self.frame.dof();
+            let mut derivatives = in_parallel(0..batch.len(), numbers, of_first);
             let mut unresolved: Vec<usize> = (0..batch.len()).collect();
             unresolved.retain(|&k| {
                 let noise = self.noise[batch[k].point]

@@ -6,7 +6,6 @@
 
 use chacha20::ChaCha8Rng;
 use chacha20::rand_core::SeedableRng;
-use rayon::prelude::*;
 
 use super::constants::CONSTANTS;
 use super::derivative::Derivative;
@@ -14,7 +13,7 @@ use super::evidence::TangentRejection;
 use super::sampler::{Sampler, TangentVector};
 use crate::error::{Error, StateAt};
 use crate::signal::{GOLDEN_RATIO, unit};
-use crate::state::{Block, Ensemble, coordinate, coordinate_mut};
+use crate::state::{Block, Ensemble, coordinate, coordinate_mut, in_parallel};
 
 const TRIALS: usize = CONSTANTS.trials;
 
@@ -53,7 +52,8 @@ impl Sampler<'_> {
                 self.rejected = self.rejected.or(wrong);
             }
             let of = |k: usize| self.tangent_derivative(&tangents, k * TRIALS);
-            found.par_extend((0..batch.len()).into_par_iter().map(of));
+            let numbers = 2 * self.frame.dof() * TRIALS;
+            found.extend(in_parallel(0..batch.len(), numbers, of));
         }
         Ok(found)
     }

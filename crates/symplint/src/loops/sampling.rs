@@ -1,10 +1,8 @@
 //! Ensembles of the samples of a loop.
 
-use rayon::prelude::*;
-
 use super::Loop;
 use crate::error::Error;
-use crate::state::{Block, Ensemble, SMALL_MEMORY, first_error, first_not_finite};
+use crate::state::{Block, Ensemble, SMALL_MEMORY, first_error, first_not_finite, in_parallel};
 
 impl Ensemble {
     /// The samples γ(k/N_s), k = 0 … N_s − 1, of a loop.
@@ -62,8 +60,9 @@ impl Ensemble {
         let each = |(b, mut block): (usize, Block<'_>)| {
             block.gathered(|block| sample_block(phase_loop, &at, first + b * width, block))
         };
-        let blocks = ensemble.blocks().into_par_iter().enumerate();
-        first_error(blocks.map(each).collect())?;
+        let numbers = 2 * phase_loop.dof() * width;
+        let blocks = ensemble.blocks().into_iter().enumerate();
+        first_error(in_parallel(blocks, numbers, each))?;
         Ok(ensemble)
     }
 }

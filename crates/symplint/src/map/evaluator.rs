@@ -2,8 +2,6 @@
 
 use std::sync::Arc;
 
-use rayon::prelude::*;
-
 use super::count::EvaluationCount;
 use super::notes::Notes;
 use super::witnesses::Recorder;
@@ -13,7 +11,7 @@ use super::{
 };
 use crate::error::{Error, StateAt};
 use crate::loops::Loop;
-use crate::state::{Block, Coordinates, Ensemble, first_error, first_not_finite};
+use crate::state::{Block, Coordinates, Ensemble, each_in_parallel, first_error, first_not_finite};
 
 /// Calls a map for the diagnostic: spreads samples over threads, checks that states are finite, names the
 /// sample and the step size of a failure, and counts evaluations.
@@ -190,8 +188,8 @@ impl<'a> Evaluator<'a> {
         let each = |(b, mut block): (usize, Block<'_>)| {
             self.advance_block(&mut block, b == 0, b * width, h)
         };
-        let blocks = states.blocks_of(width).into_par_iter().enumerate();
-        first_error(blocks.map(each).collect())
+        let blocks = states.blocks_of(width).into_iter().enumerate();
+        first_error(each_in_parallel(blocks, each))
     }
 
     /// Whether a step of this evaluator is a step of the map, not the first part of one.
@@ -278,7 +276,7 @@ impl<'a> Evaluator<'a> {
                 self.advance_block(block, is_first, first, h)
             })
         };
-        first_error(blocks.into_par_iter().enumerate().map(each).collect())
+        first_error(each_in_parallel(blocks.into_iter().enumerate(), each))
     }
 
     /// Advances a block that begins with sample `first`, the first of a call or not.
@@ -324,8 +322,8 @@ impl<'a> Evaluator<'a> {
             }
             checked(advanced, self.stated(h), b * width, &block)
         };
-        let blocks = states.blocks_of(width).into_par_iter().enumerate();
-        first_error(blocks.map(each).collect())
+        let blocks = states.blocks_of(width).into_iter().enumerate();
+        first_error(each_in_parallel(blocks, each))
     }
 
     /// Advances states and, with each, a tangent vector, as the tangent map of the map does; `fill` writes both
@@ -348,7 +346,7 @@ impl<'a> Evaluator<'a> {
         self.check_dof(states.dof())?;
         self.take(states.samples())?;
         let width = Ensemble::block_width(states.dof());
-        let pairs = states.blocks().into_par_iter().zip(tangents.blocks());
+        let pairs = states.blocks().into_iter().zip(tangents.blocks());
         let each = |(b, (mut states, mut tangents)): (usize, (Block<'_>, Block<'_>))| {
             let first = b * width;
             fill(first, &mut states, &mut tangents);
@@ -356,7 +354,7 @@ impl<'a> Evaluator<'a> {
             self.count.finish(states.len());
             checked(advanced, self.stated(h), first, &states)
         };
-        first_error(pairs.enumerate().map(each).collect())
+        first_error(each_in_parallel(pairs.enumerate(), each))
     }
 
     /// What one step makes of the loop at the parameters `s`, as many or few as wanted.
@@ -390,10 +388,7 @@ fn checked(
         step_size: h,
         reason: failure.reason,
     })?;
-    let not_finite = (!block.all_finite())
-        .then(|| first_not_finite(block.q.as_rows(), block.p.as_rows()))
-        .flatten();
-    match not_finite {
+    match first_not_finite(block.q.as_rows(), block.p.as_rows()) {
         None => Ok(()),
         Some(found) => Err(match h {
             Some(_) => found.into_error(first, h),

@@ -1,13 +1,12 @@
 //! The paper's finite-difference rule with cut-offs (section 2.3, appendix B).
 
 use multiversion::multiversion;
-use rayon::prelude::*;
 
 use super::RowIntegral;
 use crate::error::Error;
 use crate::signal::{CompensatedSum, UNIT_ROUNDOFF, largest, unwrap_row, wraps};
 use crate::state::scratch::with_buffer;
-use crate::state::{Coordinates, Rows};
+use crate::state::{Coordinates, Rows, in_parallel};
 
 /// The slope above which a cell counts as a jump and is left out.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -354,20 +353,18 @@ pub(super) fn rows(
     coordinates: &Coordinates,
     cutoffs: &Cutoffs,
 ) -> Vec<RowIntegral> {
-    (0..q.count())
-        .into_par_iter()
-        .map(|i| {
-            let (q, p, period) = (q.row(i), p.row(i), coordinates.period(i));
-            if !wraps(q, period) {
-                return integrate(q, 0.0, p, cutoffs);
-            }
-            with_buffer(q.len(), |unwrapped| {
-                unwrapped.copy_from_slice(q);
-                let winding = unwrap_row(unwrapped, period);
-                integrate(unwrapped, winding as f64 * period, p, cutoffs)
-            })
+    let of_row = |i: usize| {
+        let (q, p, period) = (q.row(i), p.row(i), coordinates.period(i));
+        if !wraps(q, period) {
+            return integrate(q, 0.0, p, cutoffs);
+        }
+        with_buffer(q.len(), |unwrapped| {
+            unwrapped.copy_from_slice(q);
+            let winding = unwrap_row(unwrapped, period);
+            integrate(unwrapped, winding as f64 * period, p, cutoffs)
         })
-        .collect()
+    };
+    in_parallel(0..q.count(), 2 * q.len(), of_row)
 }
 
 #[cfg(test)]

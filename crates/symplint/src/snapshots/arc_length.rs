@@ -4,16 +4,15 @@
 //! is smooth, so that interpolants of growing order converge, across lost rows as well as between neighbours. A map advances
 //! rows and not parameters: the advanced loop is interpolated at the same arc lengths, by the same polynomials.
 
-use rayon::prelude::*;
-
 use crate::breaks::rounding;
 use crate::error::Error;
 use crate::rules::LoopIntegral;
 use crate::signal::{CompensatedSum, Extent, UNIT_ROUNDOFF, unwrap_row};
-use crate::state::{Coordinates, Ensemble, coordinate, period};
+use crate::state::{Coordinates, Ensemble, coordinate, in_parallel, period};
 
 /// Rows through which a polynomial is laid, half of them on each side of a cell. The first order is for comparison only.
 const ORDERS: [usize; 5] = [4, 6, 8, 10, 12];
+const OF_ROWS: usize = ORDERS[ORDERS.len() - 1];
 
 /// Rows of the polynomials that measure arc lengths, and how often they are measured again. Arc length is exact to the order of
 /// the polynomials after three passes, as each gains two orders; wide gaps take more.
@@ -30,9 +29,12 @@ type Sums = Vec<Vec<[f64; 3]>>;
 /// Cells that are integrated together.
 const CHUNK: usize = 256;
 
+/// Numbers that a polynomial of a cell is made of: each of its rows at each node.
+const NUMBERS: usize = OF_ROWS * OF_ROWS;
+
 /// One coordinate round the loop.
 struct Row {
-    /// Unwrapped, relative to the first row.
+    /// Unwrapped, relative to the first row, on three turns, of which the loop is the second.
     values: Vec<f64>,
     /// What one turn adds to it.
     gain: f64,
@@ -44,19 +46,20 @@ impl Row {
         let gain = unwrap_row(&mut values, period) as f64 * period;
         let first = values[0];
         values.iter_mut().for_each(|value| *value -= first);
+        let values = three_turns(&values, gain);
         Row { values, gain }
     }
+}
 
-    /// The value at row `k` of three turns, of which the loop is the second.
-    fn at(&self, k: usize) -> f64 {
-        let n = self.values.len();
-        self.values[k % n] + self.gain * ((k / n) as f64 - 1.0)
-    }
+/// `values` of a loop on the turn before it, on the loop and on the turn after it, if one turn adds `gain`.
+fn three_turns(values: &[f64], gain: f64) -> Vec<f64> {
+    let turn = |turns: f64| values.iter().map(move |value| value + gain * turns);
+    [-1.0, 0.0, 1.0].into_iter().flat_map(turn).collect()
 }
 
 /// The arc length of the rows of a loop, in which every coordinate counts by its range.
 pub(super) struct ArcLength {
-    /// From the first row on.
+    /// From the first row on, on three turns, of which the loop is the second.
     at: Vec<f64>,
     /// Of the loop.
     length: f64,
@@ -78,7 +81,7 @@ pub(super) fn best(before: &Integrals, after: &Integrals) -> Option<(LoopIntegra
 }
 
 /// Numbers that belong to the rows of a polynomial, zeros after the last. An array, because a loop has millions of them.
-type OfRows = [f64; ORDERS[ORDERS.len() - 1]];
+type OfRows = [f64; OF_ROWS];
 
 /// A point of a cell at which a polynomial is evaluated.
 struct Node {
@@ -98,10 +101,10 @@ struct Stencil {
 impl Stencil {
     /// The values of a coordinate at the rows, less that at row `first`, so that little is lost to rounding.
     fn values(&self, row: &Row, first: usize) -> OfRows {
-        let first = row.at(first);
+        let first = row.values[first];
         let mut values = OfRows::default();
         for (value, &k) in values.iter_mut().zip(&self.rows) {
-            *value = row.at(k) - first;
+            *value = row.values[k] - first;
         }
         values
     }
@@ -123,7 +126,9 @@ impl ArcLength {
             .collect();
         let n = states.samples();
         let distance = |k: usize| {
-            let squares = rows.iter().map(|row| (row.at(k + 1) - row.at(k)).powi(2));
+            let squares = rows
+                .iter()
+                .map(|row| (row.values[k + 1] - row.values[k]).powi(2));
             squares.sum::<f64>().sqrt()
         };
         let quadrature = gauss_legendre(ARC_ORDER);
@@ -133,18 +138,15 @@ impl ArcLength {
                 let slopes = values.iter().map(|row| dot(&node.slopes, row).powi(2));
                 node.weight * slopes.sum::<f64>().sqrt()
             };
-            let cells: Option<Vec<f64>> = (0..n)
-                .into_par_iter()
-                .map(|cell| {
-                    let stencil = found.stencil(cell, ARC_ORDER, &quadrature)?;
-                    let values: Vec<OfRows> = rows
-                        .iter()
-                        .map(|row| stencil.values(row, n + cell))
-                        .collect();
-                    Some(stencil.nodes.iter().map(|node| speed(node, &values)).sum())
-                })
-                .collect();
-            found = ArcLength::from_cells(cells?)?;
+            let of_cell = |cell: usize| {
+                let stencil = found.stencil(cell, ARC_ORDER, &quadrature)?;
+                let values: Vec<OfRows> = (rows.iter())
+                    .map(|row| stencil.values(row, n + cell))
+                    .collect();
+                Some(stencil.nodes.iter().map(|node| speed(node, &values)).sum())
+            };
+            let cells = in_parallel(0..n, NUMBERS, of_cell);
+            found = ArcLength::from_cells(cells.into_iter().collect::<Option<_>>()?)?;
         }
         Some(found)
     }
@@ -156,33 +158,35 @@ impl ArcLength {
             at.push(length);
             length += cell;
         }
-        (length.is_finite() && length > 0.0).then_some(ArcLength { at, length })
+        (length.is_finite() && length > 0.0).then(|| ArcLength {
+            at: three_turns(&at, length),
+            length,
+        })
     }
 
     /// The widest cell, as a part of the loop.
     pub fn widest(&self) -> f64 {
-        let widths = (0..self.at.len()).map(|cell| self.width(cell));
+        let widths = (0..self.cells()).map(|cell| self.width(cell));
         widths.fold(0.0, f64::max) / self.length
     }
 
     /// The width of a cell.
     pub fn width(&self, cell: usize) -> f64 {
-        let n = self.at.len();
-        self.position(n + cell % n + 1) - self.position(n + cell % n)
+        let first = self.cells() + cell % self.cells();
+        self.at[first + 1] - self.at[first]
     }
 
-    /// The arc length at row `k` of three turns, of which the loop is the second.
-    fn position(&self, k: usize) -> f64 {
-        let n = self.at.len();
-        self.at[k % n] + self.length * ((k / n) as f64 - 1.0)
+    /// Rows of the loop, and cells between them.
+    fn cells(&self) -> usize {
+        self.at.len() / 3
     }
 
     /// The polynomials through `order` rows around a cell at the nodes of a quadrature. They have none on a cell of no length; `None`
     /// if there are not as many rows.
     fn stencil(&self, cell: usize, order: usize, quadrature: &[(f64, f64)]) -> Option<Stencil> {
-        let n = self.at.len();
+        let n = self.cells();
         let (first, last) = (n + cell, n + cell + 1);
-        let (from, to) = (self.position(first), self.position(last));
+        let (from, to) = (self.at[first], self.at[last]);
         let width = to - from;
         if width <= 0.0 {
             return Some(Stencil {
@@ -198,8 +202,8 @@ impl ArcLength {
             if rows.len() == order / 2 {
                 break;
             }
-            let nearest = self.position(rows[rows.len() - 1]);
-            if nearest - self.position(k) >= least {
+            let nearest = self.at[rows[rows.len() - 1]];
+            if nearest - self.at[k] >= least {
                 rows.push(k);
             }
         }
@@ -209,8 +213,8 @@ impl ArcLength {
             if rows.len() == order {
                 break;
             }
-            let nearest = self.position(rows[rows.len() - 1]);
-            if self.position(k) - nearest >= least {
+            let nearest = self.at[rows[rows.len() - 1]];
+            if self.at[k] - nearest >= least {
                 rows.push(k);
             }
         }
@@ -219,7 +223,7 @@ impl ArcLength {
         }
         // In units of the cell, so that products neither vanish nor overflow.
         let at: Vec<f64> = (rows.iter())
-            .map(|&k| (self.position(k) - from) / width)
+            .map(|&k| (self.at[k] - from) / width)
             .collect();
         let weights = barycentric_weights(&at);
         let nodes = (quadrature.iter())
@@ -251,7 +255,7 @@ impl ArcLength {
             .collect();
         let roundings: Vec<f64> = (0..2 * dof).map(|c| rounding_of(states, c)).collect();
         let n = states.samples();
-        let quadrature = gauss_legendre(ORDERS[ORDERS.len() - 1]);
+        let quadrature = gauss_legendre(OF_ROWS);
         // Of about the same size, so that each has enough cells for a median.
         let chunk = n.div_ceil(n.div_ceil(CHUNK));
         let of_cells = |first: usize| -> Sums {
@@ -281,7 +285,7 @@ impl ArcLength {
                         }
                         before = Some(found);
                     }
-                    let momentum = row[1].at(n + cell) + coordinate(states, dof + i)[0];
+                    let momentum = row[1].values[n + cell] + coordinate(states, dof + i)[0];
                     jumps.push((distances, momentum.abs()));
                 }
                 let of_jumps = jumps_between(&jumps, [i, dof + i].map(|c| roundings[c]));
@@ -290,7 +294,7 @@ impl ArcLength {
             sums
         };
         let firsts: Vec<usize> = (0..n).step_by(chunk).collect();
-        let chunks: Vec<Sums> = firsts.into_par_iter().map(of_cells).collect();
+        let chunks = in_parallel(firsts, NUMBERS * chunk * ORDERS.len(), of_cells);
         let mut integrals = [const { None }; ORDERS.len() - 1];
         for (order, integral) in integrals.iter_mut().enumerate() {
             let (mut total, mut error, mut scale) = (CompensatedSum::default(), 0.0, 0.0);
@@ -364,7 +368,7 @@ impl Polynomials {
         let [q, p] = row;
         Polynomials {
             at,
-            value: value + p.at(first) * (q.at(first + 1) - q.at(first)),
+            value: value + p.values[first] * (q.values[first + 1] - q.values[first]),
         }
     }
 
@@ -433,11 +437,14 @@ fn barycentric_weights(nodes: &[f64]) -> OfRows {
 fn lagrange(nodes: &[f64], weights: &OfRows, x: f64) -> [OfRows; 2] {
     let [mut values, mut slopes] = [OfRows::default(); 2];
     let product: f64 = nodes.iter().map(|node| x - node).product();
-    let sum: f64 = nodes.iter().map(|node| 1.0 / (x - node)).sum();
-    for (j, node) in nodes.iter().enumerate() {
-        let inverse = 1.0 / (x - node);
-        values[j] = product * weights[j] * inverse;
-        slopes[j] = values[j] * (sum - inverse);
+    let mut inverses = OfRows::default();
+    for (inverse, node) in inverses.iter_mut().zip(nodes) {
+        *inverse = 1.0 / (x - node);
+    }
+    let sum: f64 = inverses[..nodes.len()].iter().sum();
+    for j in 0..inverses.len() {
+        values[j] = product * weights[j] * inverses[j];
+        slopes[j] = values[j] * (sum - inverses[j]);
     }
     [values, slopes]
 }

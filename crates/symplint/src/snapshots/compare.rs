@@ -1,7 +1,5 @@
 //! One advanced loop against the loop before the step.
 
-use rayon::prelude::*;
-
 use super::Snapshot;
 use super::arc_length::{ArcLength, Integrals, best};
 use super::increments::Increments;
@@ -13,7 +11,7 @@ use crate::map::{Before, Grain};
 use crate::rules::Defect;
 use crate::rules::{LoopIntegral, OmittedCell, Rule, RuleKind};
 use crate::signal::{CompensatedSum, Extent, UNIT_ROUNDOFF};
-use crate::state::{Coordinates, Ensemble, coordinate};
+use crate::state::{Coordinates, Ensemble, coordinate, in_parallel};
 use crate::survey::motion;
 
 /// A jump of this part of a coordinate's whole range is a wrap in a periodic box: samples leave a gap of up to one
@@ -163,29 +161,27 @@ fn rows(snapshot: &Snapshot, coordinates: &Coordinates, before: Option<&Ensemble
             .as_ref()
             .map_or(0.0, |grain| 0.5 * grain.of_coordinate(c))
     };
-    (0..dof)
-        .into_par_iter()
-        .map(|i| {
-            let largest = [i, dof + i].map(|c| Extent::of(coordinate(states, c)).magnitude());
-            let stored = snapshot.unit_roundoff.max(Snapshot::DOUBLE);
-            let rounding = [
-                of_grain(i).max(stored * largest[0]),
-                of_grain(dof + i).max(stored * largest[1]),
-            ];
-            let periods = [coordinates.period(i), coordinates.momentum_period(i)];
-            let increments = Increments::of(states, i, periods, rounding);
-            let roughness = increments
-                .each_ref()
-                .map(|x| find_jumps(&x.values, x.floor));
-            Row {
-                largest,
-                rounding,
-                unresolved: (grain.as_ref()).map_or(0.0, |grain| grain.of_unresolved(i)),
-                increments,
-                roughness,
-            }
-        })
-        .collect()
+    let of_row = |i: usize| {
+        let largest = [i, dof + i].map(|c| Extent::of(coordinate(states, c)).magnitude());
+        let stored = snapshot.unit_roundoff.max(Snapshot::DOUBLE);
+        let rounding = [
+            of_grain(i).max(stored * largest[0]),
+            of_grain(dof + i).max(stored * largest[1]),
+        ];
+        let periods = [coordinates.period(i), coordinates.momentum_period(i)];
+        let increments = Increments::of(states, i, periods, rounding);
+        let roughness = increments
+            .each_ref()
+            .map(|x| find_jumps(&x.values, x.floor));
+        Row {
+            largest,
+            rounding,
+            unresolved: (grain.as_ref()).map_or(0.0, |grain| grain.of_unresolved(i)),
+            increments,
+            roughness,
+        }
+    };
+    in_parallel(0..dof, 2 * states.samples(), of_row)
 }
 
 fn breaks(rows: &[Row], samples: usize, wanted: impl Fn(&Jump) -> bool) -> Vec<Break> {
@@ -419,22 +415,18 @@ impl<'a> Initial<'a> {
     fn across_jumps(&self, after: &Snapshot, rows: &[Row]) -> Result<LoopComparison, Error> {
         let (states, _) = after.states.unwrap_momenta(self.coordinates);
         let samples = states.samples();
-        let parts: Vec<Pieces> = (rows.par_iter().enumerate())
-            .map(|(dof, row)| {
-                let [q, p] = &row.increments;
-                let momenta = states.p().row(dof);
-                let flagged = &row.flagged(samples);
-                let gaps = &row.gaps(samples, self.arcs.is_some());
-                Curve {
-                    q,
-                    p,
-                    momenta,
-                    flagged,
-                    gaps,
-                }
-                .integrate()
-            })
-            .collect();
+        let of_row = |(dof, row): (usize, &Row)| {
+            let [q, p] = &row.increments;
+            let curve = Curve {
+                q,
+                p,
+                momenta: states.p().row(dof),
+                flagged: &row.flagged(samples),
+                gaps: &row.gaps(samples, self.arcs.is_some()),
+            };
+            curve.integrate()
+        };
+        let parts: Vec<Pieces> = in_parallel(rows.iter().enumerate(), 2 * samples, of_row);
         let found = breaks(rows, samples, |jump| jump.confirmed);
         let unresolved = (rows.iter().flat_map(|row| &row.roughness)).any(|rough| rough.unresolved);
 

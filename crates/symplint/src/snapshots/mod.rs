@@ -14,8 +14,6 @@ mod increments;
 mod order;
 mod pieces;
 
-use rayon::prelude::*;
-
 use crate::breaks::{Break, rounding};
 use crate::error::Error;
 use crate::evidence::{
@@ -24,7 +22,7 @@ use crate::evidence::{
 };
 use crate::rules::RuleKind;
 use crate::signal::{Extent, nearest};
-use crate::state::{Coordinates, Ensemble, coordinate, period};
+use crate::state::{Coordinates, Ensemble, coordinate, each_in_parallel, period};
 use compare::{Initial, LoopComparison};
 
 /// All samples of a loop at one time, as another code stored them.
@@ -110,9 +108,7 @@ pub fn measure_snapshots(
     };
     let initial = Initial::new(before, coordinates)?;
     // All of them, so that the error is that of the first snapshot on any number of threads.
-    let compared: Vec<Result<LoopComparison, Error>> = (after.par_iter())
-        .map(|snapshot| initial.compare(snapshot))
-        .collect();
+    let compared = each_in_parallel(after, |snapshot| initial.compare(snapshot));
     let compared: Vec<LoopComparison> = compared.into_iter().collect::<Result<_, Error>>()?;
     let samples = before.states.samples();
     let mut given = LoopEvidence::new(0, LoopKind::Given);

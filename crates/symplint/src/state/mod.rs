@@ -5,9 +5,11 @@ mod coordinates;
 mod ensemble;
 mod rows;
 pub mod scratch;
+mod threads;
 
 pub use block::Block;
 pub use coordinates::Coordinates;
 pub use ensemble::Ensemble;
 pub(crate) use ensemble::*;
 pub use rows::{Rows, RowsMut};
+pub(crate) use threads::{each_in_parallel, in_parallel};

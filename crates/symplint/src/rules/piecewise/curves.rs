@@ -3,14 +3,12 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use rayon::prelude::*;
-
 use super::lift::Lift;
 use crate::breaks::displace;
 use crate::error::{Error, StateAt};
 use crate::loops::Loop;
 use crate::map::Evaluator;
-use crate::state::Ensemble;
+use crate::state::{Ensemble, in_parallel};
 
 /// One step of a map, and the curves that are sent through it.
 pub(super) struct Curves<'a> {
@@ -99,11 +97,8 @@ impl Curves<'_> {
     fn before(&self, points: &[CurvePoint], substep: usize) -> Ensemble {
         let mut states = Ensemble::zeros(self.dof(), points.len());
         let width = Ensemble::block_width(self.dof());
-        let blocks = states
-            .blocks()
-            .into_par_iter()
-            .zip(points.par_chunks(width));
-        blocks.for_each(|(mut block, points)| {
+        let blocks = states.blocks().into_iter().zip(points.chunks(width));
+        in_parallel(blocks, 2 * self.dof() * width, |(mut block, points)| {
             if substep == 0 {
                 let s: Vec<f64> = points.iter().map(|point| point.s).collect();
                 self.phase_loop.sample(&s, &mut block);
@@ -235,14 +230,15 @@ fn point_images(stages: &[Ensemble]) -> Vec<PointImage> {
                 (of_group.zip(line)).for_each(|(place, value)| *place = *value);
             }
         }
-        states.into_iter().map(|states| PointImage {
+        let image = |states| PointImage {
             states,
             width: 2 * dof,
             start: 0,
-        })
+        };
+        states.into_iter().map(image).collect::<Vec<_>>()
     };
-    let firsts = (0..samples).into_par_iter().step_by(TOGETHER);
-    firsts.flat_map_iter(images).collect()
+    let firsts = (0..samples).step_by(TOGETHER);
+    in_parallel(firsts, rows.len() * TOGETHER, images).concat()
 }
 
 #[cfg(test)]

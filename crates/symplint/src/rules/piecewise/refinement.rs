@@ -2,8 +2,6 @@
 
 use std::sync::Arc;
 
-use rayon::prelude::*;
-
 use super::curves::{CurvePoint, Curves, PointImage};
 use super::examine::{Finding, TurningPoints, View, Why};
 use super::jump::{Judgement, Jump};
@@ -16,7 +14,7 @@ use super::task::{OF_A_BREAK, Outcome, Task};
 use crate::breaks::{Break, Progress, REACH_BESIDE, uncertainty_of_position};
 use crate::error::Error;
 use crate::signal::nearest;
-use crate::state::{Coordinates, Ensemble, SMALL_MEMORY, period};
+use crate::state::{Coordinates, Ensemble, SMALL_MEMORY, in_parallel, period};
 
 /// Everything that is known of the curves so far.
 pub(super) struct Refinement<'a> {
@@ -200,9 +198,9 @@ impl<'a> Refinement<'a> {
             work.push((task, own));
             rest = others;
         }
-        let outcomes: Vec<Outcome> = (work.into_par_iter())
-            .map(|(task, images)| self.proceed(task, images))
-            .collect();
+        // Each point is fitted in all coordinates.
+        let numbers = images.len().div_ceil(work.len().max(1)) * 2 * self.curves.dof() * DEGREE;
+        let outcomes = in_parallel(work, numbers, |(task, images)| self.proceed(task, images));
         if outcomes.iter().any(|outcome| outcome.noisy) {
             self.learn_noise()?;
         }

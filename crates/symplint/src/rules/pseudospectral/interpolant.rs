@@ -2,14 +2,13 @@
 
 use std::f64::consts::PI;
 
-use rayon::prelude::*;
 use symplint_fft::Complex64;
 
 use super::row::pack;
 use super::take_off_ramp;
 use super::transform::transform;
 use crate::signal::{Extent, dot, nearest, unwrap_row};
-use crate::state::{Coordinates, Ensemble, coordinate, period};
+use crate::state::{Coordinates, Ensemble, coordinate, in_parallel, period};
 
 /// How much of each sample the upper half of the modes makes up, in units of the size of its coordinate; the largest of all
 /// coordinates. Noise is everywhere along the loop, a narrow feature is at one place.
@@ -33,15 +32,12 @@ pub(crate) fn roughness(samples: &Ensemble, coordinates: &Coordinates) -> Vec<f6
         transform.process(&mut modes);
         modes.iter().map(|x| x.norm()).collect::<Vec<f64>>()
     };
-    let larger = |mut a: Vec<f64>, b: Vec<f64>| {
-        a.iter_mut().zip(b).for_each(|(a, b)| *a = a.max(b));
-        a
-    };
-    let zeros = || vec![0.0; n];
-    (0..samples.dof())
-        .into_par_iter()
-        .map(of_dof)
-        .reduce(zeros, larger)
+    let mut largest = vec![0.0f64; n];
+    for of_dof in in_parallel(0..samples.dof(), 2 * n, of_dof) {
+        let each = largest.iter_mut().zip(of_dof);
+        each.for_each(|(largest, power)| *largest = largest.max(power));
+    }
+    largest
 }
 
 /// How far states `between` the samples, at parameters `s`, are from the trigonometric interpolant of the samples (barycentric,
@@ -53,14 +49,12 @@ pub(crate) fn misses(
     s: &[f64],
 ) -> Vec<f64> {
     let n = samples.samples();
-    let rows: Vec<(Vec<f64>, f64, f64)> = (0..2 * samples.dof())
-        .into_par_iter()
-        .map(|c| {
-            let (row, gain) = periodic_part(samples, coordinates, c);
-            let size = 0.5 * Extent::of(&row).length();
-            (row, gain, size)
-        })
-        .collect();
+    let of_coordinate = |c: usize| {
+        let (row, gain) = periodic_part(samples, coordinates, c);
+        let size = 0.5 * Extent::of(&row).length();
+        (row, gain, size)
+    };
+    let rows: Vec<(Vec<f64>, f64, f64)> = in_parallel(0..2 * samples.dof(), n, of_coordinate);
     let ones = vec![1.0; n];
     // Less than half a turn to either side: sines near π would be rounded more than they are large.
     let turns: Vec<[f64; 3]> = (0..n as i64)
@@ -99,7 +93,7 @@ pub(crate) fn misses(
             .filter(|miss| miss.is_finite());
         finite.fold(0.0, f64::max)
     };
-    s.par_iter().enumerate().map(of_state).collect()
+    in_parallel(s.iter().enumerate(), rows.len() * n, of_state)
 }
 
 /// A coordinate round the loop without the ramp by which it gains whole periods, and the gain.

@@ -20,12 +20,11 @@ use std::cell::Cell;
 use std::f64::consts::PI;
 use std::ops::Range;
 
-use rayon::prelude::*;
 use symplint_fft::Complex64;
 
 use super::{RowIntegral, banded, least};
 use crate::signal::{UNIT_ROUNDOFF, largest, unwrap_row, wraps};
-use crate::state::{Coordinates, Rows};
+use crate::state::{Coordinates, Rows, in_parallel};
 pub(crate) use interpolant::{misses, roughness};
 use regularity::sobolev_exponent;
 use row::{Scaling, pack};
@@ -260,14 +259,12 @@ pub(super) fn rows(
     banded: bool,
 ) -> Vec<RowIntegral> {
     let transform = transform(q.len());
-    (0..q.count())
-        .into_par_iter()
-        .map(|i| {
-            Workspace::lend(&transform, |workspace| {
-                workspace.integrate(q.row(i), p.row(i), coordinates.period(i), banded)
-            })
+    let of_row = |i: usize| {
+        Workspace::lend(&transform, |workspace| {
+            workspace.integrate(q.row(i), p.row(i), coordinates.period(i), banded)
         })
-        .collect()
+    };
+    in_parallel(0..q.count(), 2 * q.len(), of_row)
 }
 
 #[cfg(test)]
