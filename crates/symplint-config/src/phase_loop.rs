@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use symplint::map::{ProjectedLoop, balanced_radii};
+use symplint::verdict::plain_numbers;
 use symplint::{Circle, FourierLoop, Loop, Phases, TimeAdvance};
 
 use super::document::{Node, Value};
@@ -180,7 +181,7 @@ fn range(values: &[f64]) -> String {
     let low = values.iter().copied().fold(f64::INFINITY, f64::min);
     let high = values.iter().copied().fold(0.0, f64::max);
     match low == high {
-        true => format!("{low:.3e}"),
-        false => format!("{low:.3e} to {high:.3e}"),
+        true => plain_numbers(&format!("{low:.3e}")),
+        false => plain_numbers(&format!("{low:.3e} to {high:.3e}")),
     }
 }

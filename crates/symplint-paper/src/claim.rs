@@ -3,6 +3,7 @@
 use std::fmt::Write;
 
 use serde::Serialize;
+use symplint::verdict::plain_numbers;
 
 /// Whether a claim holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -119,7 +120,7 @@ impl Claim {
             origin: Origin::Paper,
             place,
             says: says.into(),
-            measured: measured.into(),
+            measured: plain_numbers(&measured.into()),
             judgement,
         }
     }

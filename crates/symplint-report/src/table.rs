@@ -2,6 +2,7 @@
 
 use comfy_table::{CellAlignment, LineStyle, Table, TableStyle};
 use symplint::trace::TracePoint;
+use symplint::verdict::plain_numbers;
 
 use crate::wrap::wrapped;
 
@@ -37,7 +38,8 @@ fn number_table(header: Vec<&str>, rows: Vec<Vec<String>>) -> Table {
     let mut table = Table::new();
     table.load_style(TableStyle::new().header_separator(line));
     table.set_header(header);
-    table.add_rows(rows);
+    let plain = |row: Vec<String>| row.into_iter().map(|cell| plain_numbers(&cell));
+    table.add_rows(rows.into_iter().map(plain));
     for column in table.column_iter_mut() {
         column.set_cell_alignment(CellAlignment::Right);
     }

@@ -3,7 +3,7 @@
 use comfy_table::{CellAlignment, Table, TableStyle};
 use symplint::evidence::{Origin, Point, Sweep};
 use symplint::rules::RuleKind;
-use symplint::verdict::{Property, step_size_text};
+use symplint::verdict::{Property, plain_numbers, step_size_text};
 use symplint::{Diagnosis, Verdict};
 
 use crate::number::in_thousands;
@@ -73,12 +73,13 @@ pub fn by_label(verdict: &Verdict, all: bool) -> Vec<(&'static str, Vec<String>)
         Some((_, texts)) => texts.push(text),
         None => groups.push((label, vec![text])),
     };
-    let mut laws = 0;
+    let mut orders: Vec<f64> = Vec::new();
     for finding in verdict.findings.iter().skip(1) {
         let label = finding.label();
-        laws += usize::from(label == "Order");
-        // The table has the bounds, and one law stands for the others.
-        let is_repeated = finding.is_bound() || (label == "Order" && laws > 1);
+        // The table has the bounds, and one law stands for others of its order.
+        let order = finding.law().map(|fit| fit.slope.round());
+        let is_repeated = finding.is_bound() || order.is_some_and(|order| orders.contains(&order));
+        orders.extend(order);
         let text = finding.to_string();
         let is_cause = verdict.cause.as_ref().is_some_and(|of| of.text == text);
         if all || !(is_repeated || is_cause) {
@@ -233,7 +234,7 @@ fn is_within(point: &Point) -> bool {
 fn change(point: &Point) -> String {
     match is_within(point) {
         true => number(point.signed_defect.abs(), 0),
-        false => format!("{:+.1e}", point.signed_defect),
+        false => plain_numbers(&format!("{:+.1e}", point.signed_defect)),
     }
 }
 
@@ -241,7 +242,7 @@ fn change(point: &Point) -> String {
 fn number(value: f64, decimals: usize) -> String {
     match value == 0.0 {
         true => "0".into(),
-        false => format!("{value:.decimals$e}"),
+        false => plain_numbers(&format!("{value:.decimals$e}")),
     }
 }
 

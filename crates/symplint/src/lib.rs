@@ -57,6 +57,7 @@ pub mod signal;
 pub mod snapshots;
 pub mod state;
 mod survey;
+mod text;
 pub mod trace;
 pub mod verdict;
 

@@ -3,6 +3,7 @@
 use std::fmt::Write;
 
 use symplint::VerdictKind;
+use symplint::verdict::plain_numbers;
 
 use super::scheme_result::{SchemeResult, TableRow};
 
@@ -35,7 +36,7 @@ pub fn markdown(rows: &[SchemeResult], step_size: f64) -> String {
             record.substeps,
         );
     }
-    text
+    plain_numbers(&text)
 }
 
 /// The verdict, with its digits.

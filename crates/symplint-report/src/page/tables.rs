@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use symplint::Diagnosis;
 use symplint::evidence::{Localisation, Point, Sweep};
-use symplint::verdict::step_size_text;
+use symplint::verdict::{plain_numbers, step_size_text};
 
 use super::html::escaped;
 
@@ -167,7 +167,7 @@ fn scrolling(caption: &str, parts: &str) -> String {
 fn signed(change: f64) -> String {
     match change == 0.0 {
         true => "0".into(),
-        false => format!("{change:+.2e}").replace('-', "−"),
+        false => plain_numbers(&format!("{change:+.2e}")).replace('-', "−"),
     }
 }
 
@@ -175,6 +175,6 @@ fn signed(change: f64) -> String {
 fn size_of(value: f64) -> String {
     match value == 0.0 {
         true => "0".into(),
-        false => format!("{value:.0e}").replace('-', "−"),
+        false => plain_numbers(&format!("{value:.0e}")).replace('-', "−"),
     }
 }

@@ -8,19 +8,10 @@ use serde::{Serialize, Serializer};
 use super::evidence::{FieldKind, LoopKind, LoopWork, Omitted};
 use super::judge::{Certainty, FieldReport, FieldVerdict};
 use crate::signal::SIGNIFICANT;
+use crate::text::{plain_numbers, two_digits};
 
 /// Noise below this is rounding in double precision, and is not mentioned.
 const ROUNDING: f64 = 1e-12;
-
-/// Two digits, and an exponent if many zeros would be needed.
-fn short(value: f64) -> String {
-    let rounded: f64 = format!("{value:.1e}").parse().unwrap_or(value);
-    match value.abs() {
-        0.0 => "0".into(),
-        1e-3..1e4 => format!("{rounded}"),
-        _ => format!("{rounded:e}"),
-    }
-}
 
 impl FieldReport {
     fn is_force(&self) -> bool {
@@ -46,9 +37,9 @@ impl FieldReport {
         };
         format!(
             "{} ± {} ({} of the size that a pure rotation would give) {}",
-            short(work.integral),
-            short(work.error()),
-            short(work.relative()),
+            two_digits(work.integral),
+            two_digits(work.error()),
+            two_digits(work.relative()),
             place(work)
         )
     }
@@ -78,7 +69,7 @@ impl FieldReport {
                     .fold(0.0, f64::max);
                 format!(
                     "{integral} is zero on every loop tried, within {} of the size that a pure rotation would give.",
-                    short(bound)
+                    two_digits(bound)
                 )
             }
             Certainty::Constant => format!("The {subject} is constant on all loops, to rounding."),
@@ -123,7 +114,7 @@ impl FieldReport {
             ),
             Certainty::Repetitions => format!(
                 "The {subject} differs by {} of its change along a loop when the same state is evaluated again.",
-                short(self.evidence.repetitions)
+                two_digits(self.evidence.repetitions)
             ),
             Certainty::Noise(index) => format!(
                 "The {subject} is not known exactly enough: {integral} is {}.",
@@ -149,8 +140,12 @@ impl FieldReport {
             && curl.value.max(curl.error) < 1.0
         {
             let value = match curl.value > curl.error {
-                true => format!("λ = {} ± {}", short(curl.value), short(curl.error)),
-                false => format!("λ is below {}", short(curl.value + curl.error)),
+                true => format!(
+                    "λ = {} ± {}",
+                    two_digits(curl.value),
+                    two_digits(curl.error)
+                ),
+                false => format!("λ is below {}", two_digits(curl.value + curl.error)),
             };
             let pairs = match (curl.all, curl.pairs) {
                 (true, 1) => "the pair of coordinates".into(),
@@ -170,8 +165,8 @@ impl FieldReport {
                 "Largest curl found: ∂{of_second}/∂{} − ∂{of_first}/∂{} = {} ± {}{}.",
                 worst.first,
                 worst.second,
-                short(worst.curl),
-                short(worst.error),
+                two_digits(worst.curl),
+                two_digits(worst.error),
                 match self.is_force() {
                     true => "",
                     false => ", with G = −w f_p for positions and w f_q for momenta of weight w",
@@ -181,8 +176,8 @@ impl FieldReport {
         if let Some((rate, error)) = evidence.damping {
             found.push(format!(
                 "All loops shrink at the same rate {} ± {}: uniform friction on momenta (a conformally Hamiltonian field).",
-                short(rate),
-                short(error)
+                two_digits(rate),
+                two_digits(error)
             ));
         }
         if let Certainty::Work(_) = self.certainty
@@ -199,24 +194,24 @@ impl FieldReport {
             found.push(format!(
                 "The {subject} jumps on random loops, by up to {} of the scale: cut-offs, tables without interpolation, neighbour lists \
                  and solvers do that.",
-                short(evidence.jumps())
+                two_digits(evidence.jumps())
             ));
         }
         if evidence.noise > ROUNDING {
             found.push(format!(
                 "Over short distances the {subject} has a noise of {} of its change along a loop.",
-                short(evidence.noise)
+                two_digits(evidence.noise)
             ));
         }
         if evidence.repetitions > ROUNDING && self.certainty != Certainty::Repetitions {
             found.push(format!(
                 "The {subject} differs by {} of its change when the same state is evaluated again.",
-                short(evidence.repetitions)
+                two_digits(evidence.repetitions)
             ));
         }
         let radius = match evidence.radius {
-            (least, most) if least == most => short(most),
-            (least, most) => format!("{} to {}", short(least), short(most)),
+            (least, most) if least == most => two_digits(most),
+            (least, most) => format!("{} to {}", two_digits(least), two_digits(most)),
         };
         found.push(format!(
             "Loops reach {radius} from the centre; other regions were not tested."
@@ -333,9 +328,9 @@ impl fmt::Display for FieldReport {
                 f,
                 "  {name:<28}{:>8}{:>12}{:>12}{:>12}{mark}",
                 work.samples,
-                format!("{:+.1e}", work.integral),
-                format!("{:.0e}", work.error()),
-                format!("{:.0e}", work.scale),
+                plain_numbers(&format!("{:+.1e}", work.integral)),
+                plain_numbers(&format!("{:.0e}", work.error())),
+                plain_numbers(&format!("{:.0e}", work.scale)),
             )?;
         }
         writeln!(f)?;

@@ -4,7 +4,7 @@ use std::fmt::{Display, Formatter, Result};
 
 use serde::Serialize;
 
-use super::number::{one_digit, short, size};
+use crate::text::{one_digit, short, size};
 
 /// What to do next. Its sentence is its `Display`.
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -402,7 +402,10 @@ impl<'a> Case<'a> {
             .findings
             .extend(threshold.iter().map(|(finding, _)| finding.clone()));
         decision.findings.extend(moves_rest(found));
-        decision.findings.extend(self.fits.iter().map(|fit| {
+        // That of the stated order comes first.
+        let mut fits: Vec<&Fit> = self.fits.iter().collect();
+        fits.sort_by_key(|fit| trend != Some(*fit));
+        decision.findings.extend(fits.into_iter().map(|fit| {
             Finding::Changes(ChangeFinding::Law {
                 fit: fit.clone(),
                 between_breaks: is_broken,

@@ -9,12 +9,12 @@ mod findings;
 mod jacobian;
 mod judge;
 mod long_time;
-mod number;
 mod order;
 mod properties;
 mod slope;
 mod thresholds;
 
+pub use crate::text::{plain_numbers, size as step_size_text};
 pub use advice::Advice;
 pub use cause::{Cause, CauseKind};
 pub use diagnosis::{Diagnosis, measure};
@@ -22,7 +22,6 @@ pub use findings::*;
 pub use jacobian::*;
 pub use judge::judge;
 pub use long_time::Growth;
-pub use number::size as step_size_text;
 pub use order::Fit;
 pub use properties::{Property, PropertyName};
 
@@ -116,7 +115,7 @@ impl Verdict {
         match (self.kind, self.conserved_once_closed, self.order) {
             (VerdictKind::NotSymplectic, _, None) => text += ": ∮p·dq changes",
             (VerdictKind::NotSymplectic, _, Some(order)) => {
-                let law = number::power_of_h(order);
+                let law = crate::text::power_of_h(order);
                 text += &format!(": ∮p·dq changes in proportion to {law}");
             }
             (VerdictKind::BrokenLoops, Some(true), _) => {

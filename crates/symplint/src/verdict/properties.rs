@@ -7,7 +7,6 @@ use serde::{Serialize, Serializer};
 
 use super::VerdictKind;
 use super::long_time::{Growth, growth_of_energy};
-use super::number::{self, one_digit, two_digits, with_uncertainty};
 use super::thresholds::WHOLE;
 use crate::evidence::{
     EnergyAtStep, EnergyInTime, Evidence, LoopEvidence, StepEvidence, StructureEvidence,
@@ -15,6 +14,7 @@ use crate::evidence::{
 };
 use crate::jacobian::TangentDefect;
 use crate::signal::SIGNIFICANT;
+use crate::text::{self, one_digit, two_digits, with_uncertainty};
 
 /// A property of a map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
@@ -340,7 +340,7 @@ impl Display for Property {
             None => write!(f, "unknown whether {}", self.name)?,
         }
         if let Some([factor, of_factor]) = self.factor {
-            let factor = number::factor(factor, of_factor);
+            let factor = text::factor(factor, of_factor);
             write!(f, " (a step multiplies all areas by {factor}")?;
             if let Some([rate, of_rate]) = self.rate {
                 let motion = if rate > 0.0 { "damping" } else { "growth" };

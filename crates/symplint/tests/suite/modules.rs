@@ -5,8 +5,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The modules of this crate, from the ground up: each may import from those before it.
-const MODULES: [&str; 16] = [
+const MODULES: [&str; 17] = [
     "error",
+    "text",
     "signal",
     "state",
     "loops",

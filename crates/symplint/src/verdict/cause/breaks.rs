@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 use super::{Cause, CauseKind, Clues};
 use crate::evidence::{BreakSides, CoordinateAtBreak, Evidence, PositionAtBreak};
 use crate::signal::nearest;
-use crate::verdict::number::{loop_name, short, significant};
+use crate::text::{loop_name, short, significant};
 use crate::verdict::thresholds::FLICKERING;
 
 /// Values that should be equal may differ by this part of what they are compared with. Conventional: far above rounding and the

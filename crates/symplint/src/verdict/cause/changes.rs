@@ -3,11 +3,11 @@
 use super::blocks::OF_A_MODEL;
 use super::{Cause, CauseKind, Clues};
 use crate::signal::SIGNIFICANT;
+use crate::text::{self, one_digit, with_uncertainty};
 use crate::verdict::advice::Advice;
 use crate::verdict::findings::{
     ChangeFinding, DomainFinding, Finding, LocalisationFinding, Step, culprits,
 };
-use crate::verdict::number::{self, one_digit, with_uncertainty};
 use crate::verdict::properties::{Property, PropertyName, noise};
 use crate::verdict::thresholds::{FAR, TREND};
 
@@ -159,7 +159,7 @@ impl Clues<'_> {
     pub(super) fn friction(&self) -> Option<Cause> {
         let conformal = self.conformal()?;
         let [factor, of_factor] = conformal.factor.filter(|[factor, _]| *factor > 0.0)?;
-        let value = number::factor(factor, of_factor);
+        let value = text::factor(factor, of_factor);
         let meaning = if factor < 1.0 { "friction" } else { "growth" };
         let jacobian = self.evidence.jacobian.as_ref();
         let by = match jacobian.is_some_and(|of| of.volume.is_some() && of.shows_defect()) {

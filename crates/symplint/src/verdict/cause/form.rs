@@ -6,8 +6,8 @@ use std::collections::BTreeMap;
 use super::{Cause, CauseKind, Clues};
 use crate::evidence::{FormEntry, FormOnLoop, PreservedForm};
 use crate::signal::SIGNIFICANT;
+use crate::text::{one_digit, significant, size, two_digits};
 use crate::verdict::advice::Advice;
-use crate::verdict::number::{one_digit, significant, size, two_digits};
 
 /// The canonical form changes by more than this many times what the form that was found may change. Conventional.
 const BETTER: f64 = 100.0;

@@ -1,7 +1,7 @@
 //! A defect whose order is lower than the order of a method.
 
 use super::{Cause, CauseKind, Clues};
-use crate::verdict::number::size;
+use crate::text::size;
 use crate::verdict::slope::constant_defect;
 
 impl Clues<'_> {

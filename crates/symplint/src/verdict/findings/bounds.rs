@@ -5,7 +5,7 @@ use std::fmt::{Display, Formatter, Result};
 use serde::Serialize;
 
 use super::{Step, StepRange, degrees_of_freedom, plural};
-use crate::verdict::number::{capitalised, loop_name, short, size};
+use crate::text::{capitalised, loop_name, short, size};
 
 /// Bounds on the change of loop integrals.
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::{Change, Step, plural};
 use crate::breaks::Break;
-use crate::verdict::number::{capitalised, jumping, loop_name, significant, two_digits};
+use crate::text::{capitalised, jumping, loop_name, significant, two_digits};
 
 /// Broken loops.
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -5,7 +5,7 @@ use std::fmt::{Display, Formatter, Result};
 use serde::Serialize;
 
 use super::{Change, Step, degrees_of_freedom};
-use crate::verdict::number::{capitalised, loop_name, power_of_h, size, two_digits};
+use crate::text::{capitalised, loop_name, power_of_h, size, two_digits};
 use crate::verdict::order::Fit;
 
 /// Loop integrals that change, and how the change depends on the step size.

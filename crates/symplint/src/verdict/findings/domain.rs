@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::{Change, Step};
 use crate::evidence::{Contraction, Rank};
-use crate::verdict::number::{loop_name, two_digits};
+use crate::text::{loop_name, two_digits};
 
 /// Loops that do not lie in the domain of the map.
 #[derive(Clone, Debug, PartialEq, Serialize)]

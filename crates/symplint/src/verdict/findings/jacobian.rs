@@ -3,8 +3,8 @@
 use std::fmt::{Display, Formatter, Result};
 
 use crate::jacobian::{JacobianMethod, TangentRejection};
+use crate::text::{loop_name, short, size};
 use crate::verdict::jacobian::{Agreement, Inconclusive, JacobianFinding, JacobianVerdict};
-use crate::verdict::number::{loop_name, short, size};
 
 impl Display for JacobianFinding {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {

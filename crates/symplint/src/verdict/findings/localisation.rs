@@ -8,7 +8,7 @@ use super::Step;
 use crate::evidence::{Sector, SubstepDefect};
 use crate::jacobian::{BlockDefects, DefectBlocks};
 use crate::signal::SIGNIFICANT;
-use crate::verdict::number::{one_digit, two_digits};
+use crate::text::{one_digit, two_digits};
 
 /// The origin of a defect.
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -9,7 +9,7 @@ use crate::evidence::{
     Motion, OutputFormat, OutputPrecision, Reach, Scatter, ScatterKind, WrongPeriod,
     defect_of_order_4,
 };
-use crate::verdict::number::{capitalised, one_digit, short, size};
+use crate::text::{capitalised, one_digit, short, size};
 
 /// The action of the map on states, apart from loop integrals.
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -24,7 +24,8 @@ use std::fmt::{Display, Formatter, Result};
 
 use serde::Serialize;
 
-use super::number::size;
+use crate::text::{plain_numbers, size};
+use crate::verdict::order::Fit;
 pub(super) use localisation::{blocks_text, culprits, largest_sector};
 pub(super) use map::roughness;
 
@@ -58,6 +59,14 @@ impl Finding {
     /// Whether it is the bound on the change of one loop.
     pub fn is_bound(&self) -> bool {
         matches!(self, Finding::Bounds(BoundFinding::Bound { .. }))
+    }
+
+    /// The law of a defect in the step size, if it states one.
+    pub fn law(&self) -> Option<&Fit> {
+        match self {
+            Finding::Changes(ChangeFinding::Law { fit, .. }) => Some(fit),
+            _ => None,
+        }
     }
 
     /// Its subject in one or two words: reports print findings under these words.
@@ -100,16 +109,17 @@ impl Finding {
 
 impl Display for Finding {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
-        match self {
-            Finding::Samples(finding) => finding.fmt(f),
-            Finding::Breaks(finding) => finding.fmt(f),
-            Finding::Changes(finding) => finding.fmt(f),
-            Finding::Bounds(finding) => finding.fmt(f),
-            Finding::Domain(finding) => finding.fmt(f),
-            Finding::Map(finding) => finding.fmt(f),
-            Finding::Localisation(finding) => finding.fmt(f),
-            Finding::Run(finding) => finding.fmt(f),
-        }
+        let text = match self {
+            Finding::Samples(finding) => finding.to_string(),
+            Finding::Breaks(finding) => finding.to_string(),
+            Finding::Changes(finding) => finding.to_string(),
+            Finding::Bounds(finding) => finding.to_string(),
+            Finding::Domain(finding) => finding.to_string(),
+            Finding::Map(finding) => finding.to_string(),
+            Finding::Localisation(finding) => finding.to_string(),
+            Finding::Run(finding) => finding.to_string(),
+        };
+        f.write_str(&plain_numbers(&text))
     }
 }
 

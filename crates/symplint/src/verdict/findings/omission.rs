@@ -4,7 +4,7 @@ use std::fmt::{Display, Formatter, Result};
 
 use super::plural;
 use crate::evidence::{Check, Omission, Why};
-use crate::verdict::number::{loop_name, size};
+use crate::text::{loop_name, size};
 
 impl Display for Omission {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {

@@ -5,9 +5,9 @@ use std::fmt::{Display, Formatter, Result};
 use serde::Serialize;
 
 use crate::evidence::{LongTime, Omission};
+use crate::text::{two_digits, with_uncertainty};
 use crate::verdict::jacobian::JacobianFinding;
 use crate::verdict::long_time::Growth;
-use crate::verdict::number::{two_digits, with_uncertainty};
 
 /// Measurements besides the loops, and omissions.
 #[derive(Clone, Debug, PartialEq, Serialize)]

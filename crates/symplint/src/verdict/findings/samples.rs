@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::{Change, Step};
 use crate::breaks::Break;
-use crate::verdict::number::{capitalised, short};
+use crate::text::{capitalised, short};
 
 /// Loops of another code.
 #[derive(Clone, Debug, PartialEq, Serialize)]

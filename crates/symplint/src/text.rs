@@ -14,8 +14,69 @@ pub fn size(h: f64) -> String {
     }
 }
 
+/// A text with its numbers as people write them: `1.12e-1` becomes `0.112`, and `2.0e0` becomes `2.0`. Numbers below 0.1, and from
+/// 100,000 on, keep their exponents.
+pub fn plain_numbers(text: &str) -> String {
+    let mut plain = String::with_capacity(text.len());
+    let mut rest = text;
+    while let Some(at) = rest.find('e') {
+        let (before, after) = (&rest[..at], &rest[at + 1..]);
+        let digits = |c: char| c.is_ascii_digit();
+        let start = before
+            .rfind(|c: char| !digits(c) && c != '.')
+            .map_or(0, |last| {
+                last + before[last..].chars().next().map_or(0, char::len_utf8)
+            });
+        let sign = usize::from(after.starts_with('-'));
+        let length = sign
+            + after[sign..]
+                .find(|c: char| !digits(c))
+                .unwrap_or(after.len() - sign);
+        let power = after[..length]
+            .parse()
+            .ok()
+            .filter(|power| (-1..5).contains(power));
+        match power.and_then(|power| shifted(&before[start..], power)) {
+            Some(number) => {
+                plain += &before[..start];
+                // Zero has no sign.
+                if number.chars().all(|c| c == '0' || c == '.') {
+                    plain.truncate(plain.trim_end_matches('+').len());
+                    plain.push('0');
+                } else {
+                    plain += &number;
+                }
+                rest = &after[length..];
+            }
+            None => {
+                plain += &rest[..=at];
+                rest = after;
+            }
+        }
+    }
+    plain + rest
+}
+
+/// A decimal number with one digit before the point, times a power of ten. `None` for other texts.
+fn shifted(number: &str, power: i32) -> Option<String> {
+    let (first, others) = match number.split_once('.') {
+        Some((first, others)) => (first, others),
+        None => (number, ""),
+    };
+    if first.len() != 1 || others.contains('.') {
+        return None;
+    }
+    if power < 0 {
+        return Some(format!("0.{first}{others}"));
+    }
+    let (whole, rest) = others.split_at(others.len().min(power as usize));
+    let zeros = "0".repeat(power as usize - whole.len());
+    let point = if rest.is_empty() { "" } else { "." };
+    Some(format!("{first}{whole}{zeros}{point}{rest}"))
+}
+
 /// `h³` for 3, `h` for 1.
-pub(super) fn power_of_h(order: f64) -> String {
+pub(crate) fn power_of_h(order: f64) -> String {
     if order == 1.0 {
         return "h".into();
     }
@@ -32,7 +93,7 @@ pub(super) fn power_of_h(order: f64) -> String {
 }
 
 /// Two digits, and no exponent where none is needed.
-pub(super) fn short(value: f64) -> String {
+pub(crate) fn short(value: f64) -> String {
     match value.abs() {
         0.0 => "0".into(),
         0.01..1000.0 => format!("{value:.2}"),
@@ -41,12 +102,12 @@ pub(super) fn short(value: f64) -> String {
 }
 
 /// One digit, and no exponent where few zeros are needed.
-pub(super) fn one_digit(value: f64) -> String {
+pub(crate) fn one_digit(value: f64) -> String {
     plain(value, &format!("{value:.0e}"))
 }
 
 /// The same with two digits.
-pub(super) fn two_digits(value: f64) -> String {
+pub(crate) fn two_digits(value: f64) -> String {
     plain(value, &format!("{value:.1e}"))
 }
 
@@ -59,7 +120,7 @@ fn plain(value: f64, rounded: &str) -> String {
 }
 
 /// Six digits, without trailing zeros.
-pub(super) fn significant(value: f64) -> String {
+pub(crate) fn significant(value: f64) -> String {
     plain(value, &format!("{value:.5e}"))
 }
 
@@ -70,7 +131,7 @@ const MOST_DIGITS: i32 = 8;
 const OF_A_ROUND_NUMBER: f64 = 3.0;
 
 /// A factor and its uncertainty; one of which fewer than two digits of the change would be left, by its change: `1 − 4.112e-12 ± 3e-15`.
-pub(super) fn factor(value: f64, uncertainty: f64) -> String {
+pub(crate) fn factor(value: f64, uncertainty: f64) -> String {
     let change = value - 1.0;
     if change == 0.0 || change.abs() >= 10f64.powi(2 - MOST_DIGITS) {
         return with_uncertainty(value, uncertainty);
@@ -80,7 +141,7 @@ pub(super) fn factor(value: f64, uncertainty: f64) -> String {
 }
 
 /// A number and its uncertainty: `0.941765 ± 3e-6`. A number of more digits than people read is cut off: `0.99004983… (± 2e-14)`.
-pub(super) fn with_uncertainty(value: f64, uncertainty: f64) -> String {
+pub(crate) fn with_uncertainty(value: f64, uncertainty: f64) -> String {
     let error = one_digit(uncertainty.abs());
     // As the digits show it: logarithms are off by a rounding.
     let exponent = |x: f64| -> i32 {
@@ -133,7 +194,7 @@ pub(super) fn with_uncertainty(value: f64, uncertainty: f64) -> String {
 }
 
 /// The name of a loop.
-pub(super) fn loop_name(index: usize) -> String {
+pub(crate) fn loop_name(index: usize) -> String {
     match index {
         0 => "your loop".into(),
         k => format!("random loop {k}"),
@@ -141,7 +202,7 @@ pub(super) fn loop_name(index: usize) -> String {
 }
 
 /// A sentence begins with a capital letter.
-pub(super) fn capitalised(text: &str) -> String {
+pub(crate) fn capitalised(text: &str) -> String {
     let mut letters = text.chars();
     letters.next().map_or(String::new(), |first| {
         first.to_uppercase().chain(letters).collect()
@@ -149,7 +210,7 @@ pub(super) fn capitalised(text: &str) -> String {
 }
 
 /// The coordinates that jump: the other one is left out if its jump is a thousandth.
-pub(super) fn jumping(dof: usize, jump_q: f64, jump_p: f64) -> String {
+pub(crate) fn jumping(dof: usize, jump_q: f64, jump_p: f64) -> String {
     let (q, p) = (jump_q.abs(), jump_p.abs());
     if q > 1e3 * p {
         format!("q[{dof}] jumps")
@@ -181,6 +242,25 @@ mod tests {
             assert_eq!(size(h), text);
         }
         assert_eq!([1.0, 2.0, 13.0].map(power_of_h), ["h", "h²", "h¹³"]);
+    }
+
+    #[test]
+    fn numbers_of_usual_size_have_no_exponent() {
+        for (text, plain) in [
+            (
+                "by +1.124e-1, not 5e0 ± 3.4e-15.",
+                "by +0.1124, not 5 ± 3.4e-15.",
+            ),
+            ("3.141592654e0, +0.00e0", "3.141592654, 0"),
+            ("−2e4 to 1.25e1", "−20000 to 12.5"),
+            ("2.5e-2, 1e5, 1e-1", "2.5e-2, 1e5, 0.1"),
+            (
+                "the −e³ of 12e0 degrees, e-1, 1.e",
+                "the −e³ of 12e0 degrees, e-1, 1.e",
+            ),
+        ] {
+            assert_eq!(plain_numbers(text), plain);
+        }
     }
 
     #[test]
