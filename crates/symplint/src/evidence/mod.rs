@@ -24,7 +24,7 @@ pub use motion::{Motion, Reach};
 pub use picture::LoopPicture;
 pub use point::{BreakAt, Point, Sweep};
 pub(crate) use preserved_form::monomial;
-pub use preserved_form::{FormEntry, FormOnLoop, PreservedForm};
+pub use preserved_form::{DigitsOfMatrix, FormEntry, FormOnLoop, PreservedForm};
 pub use step::{Closing, JumpingCells, StepEvidence, Wrap};
 pub(crate) use step::{MOST_CELLS_APART, UNEXPLAINED, WEAKEST_BOUND};
 pub use structure::{EnergyAtStep, EnergyChange, ReturnDefect, StructureEvidence};

@@ -20,6 +20,9 @@ pub struct PreservedForm {
     /// Whether the step is linear: its Jacobian is the same at all states.
     #[serde(default)]
     pub is_linear: bool,
+    /// Of a linear step: the digits of all entries of its matrix, if they are few, and rounding to them makes as large defects as it has.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub digits_of_matrix: Option<DigitsOfMatrix>,
     /// States whose Jacobians were used.
     pub states: usize,
     /// The answer: `None` if the Jacobians are not precise enough for one.
@@ -34,6 +37,16 @@ pub struct PreservedForm {
     /// What loops show of the form.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub loops: Vec<FormOnLoop>,
+}
+
+/// The digits of the entries of a matrix.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum DigitsOfMatrix {
+    /// This number of digits after the point.
+    Decimals(i32),
+    /// This number of significant digits.
+    Significant(i32),
 }
 
 /// A term of a form Ω: its value times dz_a∧dz_b, a < b; or times d(z_a q0^k q1^l q2^m dz_b)/(1 + m_a) if it has powers of q: the part of

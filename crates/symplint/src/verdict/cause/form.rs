@@ -4,7 +4,7 @@ use std::cmp::Reverse;
 use std::collections::BTreeMap;
 
 use super::{Cause, CauseKind, Clues};
-use crate::evidence::{FormEntry, FormOnLoop, PreservedForm};
+use crate::evidence::{DigitsOfMatrix, FormEntry, FormOnLoop, PreservedForm};
 use crate::signal::SIGNIFICANT;
 use crate::text::{one_digit, significant, size, two_digits};
 use crate::verdict::advice::Advice;
@@ -105,6 +105,21 @@ impl Clues<'_> {
             digits: Some((-bound.max(f64::EPSILON).log10() * 10.0).floor() / 10.0),
             ..Cause::new(kind, text, format!("{remedy}: {setting}.{only}"))
         })
+    }
+
+    /// A transfer matrix was written with few digits. The matrix of a step depends on its size, and is computed.
+    pub(super) fn rounded_matrix(&self) -> Option<Cause> {
+        let form = (self.evidence.preserved_form.as_ref()).filter(|of| of.step_size.is_none())?;
+        let digits = match form.digits_of_matrix? {
+            DigitsOfMatrix::Decimals(k) => format!("{k} digits after the point"),
+            DigitsOfMatrix::Significant(k) => format!("{k} significant digits"),
+        };
+        let text = format!(
+            "The map is linear, and no entry of its matrix has more than {digits}. A symplectic matrix that is rounded to them can have a \
+             defect of this size."
+        );
+        let remedy = "Give the matrix all its digits, or make it symplectic again before it is applied many times.";
+        Some(Cause::new(CauseKind::RoundedMatrix, text, remedy))
     }
 
     /// Wrong variables make a defect of order h. If it falls faster, q and p are canonical, and the form is that of the method.

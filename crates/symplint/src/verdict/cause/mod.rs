@@ -61,6 +61,8 @@ pub enum CauseKind {
     Swapped,
     /// All areas change by one factor: friction, or momenta in units that change.
     Friction,
+    /// A linear map whose matrix was rounded to few digits.
+    RoundedMatrix,
     /// The map is symplectic with other weights of the momenta: velocities are given, or momenta in other units.
     VelocitiesForMomenta,
     /// The map is symplectic if the sign of some pair (q, p) is changed.
@@ -119,8 +121,9 @@ impl Clues<'_> {
     ];
 
     /// The causes of changes of loop integrals, those that the evidence shows most surely first.
-    const OF_CHANGES: [fn(&Self) -> Option<Cause>; 13] = [
+    const OF_CHANGES: [fn(&Self) -> Option<Cause>; 14] = [
         Self::ignores_step_size,
+        Self::rounded_matrix,
         Self::swapped,
         Self::projection,
         Self::no_convergence,

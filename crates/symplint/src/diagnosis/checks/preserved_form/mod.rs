@@ -2,6 +2,7 @@
 
 mod fit;
 mod limits;
+mod matrix;
 mod null_space;
 mod on_loops;
 mod refine;
@@ -61,6 +62,7 @@ impl Runner<'_> {
             all_constant,
             with_fields: false,
             is_linear: fit::are_equal(&images),
+            digits_of_matrix: None,
             states: images.len(),
             exists: None,
             change: None,
@@ -68,6 +70,10 @@ impl Runner<'_> {
             groups: 0,
             loops: Vec::new(),
         };
+        if let ([first, ..], true) = (&images[..], found.is_linear && all_constant) {
+            let size = given.size.radius.concat();
+            found.digits_of_matrix = matrix::digits(first, &size, subject.coordinates());
+        }
         // The last state confirms what the others show.
         let [of_fit @ .., _] = &images[..] else {
             return Ok(());

@@ -1,0 +1,75 @@
+//! Whether the matrix of a linear map was rounded to few digits.
+
+use super::limits::{COINCIDENCE, FEWEST_DIGITS_OF_MATRIX, MOST_DIGITS_OF_MATRIX, ROUNDED_WITHIN};
+use crate::evidence::DigitsOfMatrix;
+use crate::jacobian::TangentImages;
+use crate::state::Coordinates;
+
+/// The digits of all entries of a matrix, if they are few, and if rounding a symplectic matrix to them can make a change of the form as
+/// large as the matrix does. `size` are the units of its columns and rows.
+pub(super) fn digits(
+    columns: &TangentImages,
+    size: &[f64],
+    coordinates: &Coordinates,
+) -> Option<DigitsOfMatrix> {
+    let in_coordinates = |of: &[Vec<f64>]| -> Vec<Vec<f64>> {
+        let column = |(j, column): (usize, &Vec<f64>)| {
+            let entries = column.iter().zip(size);
+            entries
+                .map(|(value, unit)| value * unit / size[j])
+                .collect()
+        };
+        of.iter().enumerate().map(column).collect()
+    };
+    let matrix = in_coordinates(&columns.images);
+    let errors = in_coordinates(&columns.errors);
+    let digits = FEWEST_DIGITS_OF_MATRIX..=MOST_DIGITS_OF_MATRIX;
+    let candidates =
+        digits.flat_map(|k| [DigitsOfMatrix::Decimals(k), DigitsOfMatrix::Significant(k)]);
+    let is_rounded = |of: &DigitsOfMatrix| {
+        let mut entries = matrix.iter().flatten().zip(errors.iter().flatten());
+        entries.all(|(value, error)| {
+            let unit = last_place(*of, *value);
+            let rounded = (value / unit).round() * unit;
+            let error = ROUNDED_WITHIN * error + f64::EPSILON * value.abs();
+            let has_few =
+                (value - rounded).abs() <= error && unit >= 10f64.powf(COINCIDENCE) * error;
+            has_few || value.abs() <= error
+        })
+    };
+    let explains = |of: &DigitsOfMatrix| {
+        let dof = coordinates.dof();
+        let pairs = (0..2 * dof).flat_map(|a| (0..a).map(move |b| (b, a)));
+        pairs.into_iter().all(|(a, b)| {
+            let (of_a, of_b) = (&matrix[a], &matrix[b]);
+            let canonical = if b == a + dof {
+                coordinates.weight(a)
+            } else {
+                0.0
+            };
+            let (mut change, mut most) = (-canonical, 0.0);
+            for i in 0..dof {
+                let weight = coordinates.weight(i);
+                change += weight * (of_a[i] * of_b[dof + i] - of_a[dof + i] * of_b[i]);
+                for (x, y) in [(of_a[i], of_b[dof + i]), (of_a[dof + i], of_b[i])] {
+                    most += 0.5
+                        * weight.abs()
+                        * (last_place(*of, x) * y.abs() + last_place(*of, y) * x.abs());
+                }
+            }
+            change.abs() <= most
+        })
+    };
+    candidates.into_iter().find(is_rounded).filter(explains)
+}
+
+/// The unit of the last digit of a number.
+fn last_place(digits: DigitsOfMatrix, value: f64) -> f64 {
+    match digits {
+        DigitsOfMatrix::Decimals(k) => 10f64.powi(-k),
+        DigitsOfMatrix::Significant(_) if value == 0.0 => 0.0,
+        DigitsOfMatrix::Significant(k) => {
+            10f64.powf(value.abs().log10().floor() + 1.0 - f64::from(k))
+        }
+    }
+}
