@@ -12,7 +12,9 @@ mod status;
 
 use std::ffi::OsString;
 
-use clap::Parser;
+use clap::error::{ContextKind, ContextValue, ErrorKind};
+use clap::{CommandFactory, Parser};
+use symplint_config::setting;
 
 use cli::{Cli, Command};
 use failure::Failure;
@@ -22,9 +24,11 @@ use status::{FAILED, Status};
 ///
 /// From here on Ctrl-C ends the process.
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Status {
-    let cli = match Cli::try_parse_from(arguments) {
+    let arguments: Vec<OsString> = arguments.into_iter().collect();
+    let cli = match Cli::try_parse_from(&arguments) {
         Ok(cli) => cli,
-        Err(said) => {
+        Err(mut said) => {
+            name_setting(&mut said, &arguments);
             // Help is not a failure. If it cannot be printed, no other message can be printed either.
             let _ = said.print();
             return Status::try_from(said.exit_code()).unwrap_or(FAILED);
@@ -37,6 +41,21 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Status {
             output::tell(output::failure_message(&failure));
             FAILED
         }
+    }
+}
+
+/// Suggests `--set diagnostic.budget=VALUE` for the unknown option `--budget` of a command that has settings.
+fn name_setting(error: &mut clap::Error, arguments: &[OsString]) {
+    let cli = Cli::command();
+    let command = arguments.get(1).and_then(|name| cli.find_subcommand(name));
+    let has_settings = command.is_some_and(|of| of.get_arguments().any(|of| of.get_id() == "set"));
+    if has_settings
+        && let Some(ContextValue::String(option)) = error.get(ContextKind::InvalidArg)
+        && error.kind() == ErrorKind::UnknownArgument
+        && let Some(setting) = setting(&option.trim_start_matches('-').replace('-', "_"))
+    {
+        let suggestion = format!("--set {setting}=VALUE");
+        error.insert(ContextKind::SuggestedArg, ContextValue::String(suggestion));
     }
 }
 

@@ -25,7 +25,7 @@ pub use parts::{Integrator, read_integrator, read_system};
 pub use section::{Kind, suggestion};
 pub use symplint::request::parse_number;
 pub use system::{SYSTEMS, System, SystemInfo};
-pub use template::template;
+pub use template::{setting, template};
 pub use trace::TraceSettings;
 
 use document::Table;
@@ -79,7 +79,13 @@ impl Config {
                 let name = system.name;
                 (name.to_owned(), format!("[system]\nname = \"{name}\"\n"))
             }
-            None => document::read(path)?,
+            None => match path
+                .to_str()
+                .filter(|name| may_be_system(name) && !path.exists())
+            {
+                Some(name) => return Err(unknown_system(name).into()),
+                None => document::read(path)?,
+            },
         };
         Self::build(document::load(source, settings)?, folder, before_calls)
     }
@@ -205,4 +211,18 @@ impl Sections {
             resolved,
         })
     }
+}
+
+/// Whether an argument looks like the name of a system, not like a path.
+fn may_be_system(name: &str) -> bool {
+    let of_name = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
+    name != "-" && name.chars().all(of_name)
+}
+
+fn unknown_system(name: &str) -> ConfigError {
+    let systems = suggestion(name, SYSTEMS.iter().map(|info| info.name));
+    ConfigError::new(
+        format!("\"{name}\" is neither a file nor a system"),
+        format!("{systems}. `symplint init SYSTEM` prints a configuration to start from"),
+    )
 }

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use symplint_report::wrap::wrapped;
 
 use super::section::Key;
-use super::system::SystemInfo;
+use super::system::{SYSTEMS, SystemInfo};
 use super::{diagnostic, integrator, phase_loop, trace};
 
 /// Characters of a line at most.
@@ -37,12 +37,7 @@ pub fn template(system: &SystemInfo, all: bool) -> String {
         .filter(|(k, key)| all || key.required || (*k < FEW && !key.optional))
         .map(|(_, key)| key);
     write_keys(&mut text, of_system);
-    for (name, keys) in [
-        ("integrator", &integrator::keys(system.integrator)[..]),
-        ("loop", phase_loop::KEYS),
-        ("diagnostic", &diagnostic::keys()),
-        ("trace", trace::KEYS),
-    ] {
+    for (name, keys) in sections(system) {
         let short = SHORT.iter().find(|(section, _)| *section == name);
         let short = short.map_or(&[][..], |(_, keys)| keys);
         if all || !short.is_empty() {
@@ -57,6 +52,31 @@ pub fn template(system: &SystemInfo, all: bool) -> String {
         let _ = write!(text, "\n# Every key: symplint init {} --all\n", system.name);
     }
     text
+}
+
+/// The sections but `[system]`, with their keys.
+fn sections(system: &SystemInfo) -> [(&'static str, Vec<Key>); 4] {
+    [
+        ("integrator", integrator::keys(system.integrator).to_vec()),
+        ("loop", phase_loop::KEYS.to_vec()),
+        ("diagnostic", diagnostic::keys()),
+        ("trace", trace::KEYS.to_vec()),
+    ]
+}
+
+/// The setting of a key whose section is not known: `diagnostic.budget` for `budget`; keys of systems come first. `integrator` is
+/// its name.
+pub fn setting(key: &str) -> Option<String> {
+    if key == "integrator" {
+        return Some("integrator.name".into());
+    }
+    let of_systems = SYSTEMS.iter().flat_map(|info| info.keys);
+    let of_systems = of_systems.map(|key| ("system", key.name));
+    let of_others = SYSTEMS.iter().flat_map(sections);
+    let of_others =
+        of_others.flat_map(|(name, keys)| keys.into_iter().map(move |of| (name, of.name)));
+    let (section, name) = of_systems.chain(of_others).find(|(_, name)| *name == key)?;
+    Some(format!("{section}.{name}"))
 }
 
 fn write_keys<'a>(text: &mut String, keys: impl Iterator<Item = &'a Key>) {

@@ -9,6 +9,30 @@ use tempfile::TempDir;
 use super::{configuration, example, report, symplint, text};
 
 #[test]
+fn unknown_options_that_are_settings_are_told_how_to_set_them() {
+    for (arguments, words) in [
+        (
+            ["check", "pendulum", "--step-size=0.1"],
+            "--set diagnostic.step_size=VALUE",
+        ),
+        (
+            ["check", "pendulum", "--integrator=rk2"],
+            "--set integrator.name=VALUE",
+        ),
+        (["trace", "pendulum", "--q0=2"], "--set system.q0=VALUE"),
+        (["check", "pendulum", "--quiett"], "'--quiet'"),
+    ] {
+        let output = symplint(&arguments);
+        let said = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(2));
+        assert!(said.contains(words), "{arguments:?}: {said}");
+    }
+    // `judge` has no settings.
+    let said = symplint(&["judge", "report.json", "--budget=100"]).stderr;
+    assert!(!text(&said).contains("--set"), "{}", text(&said));
+}
+
+#[test]
 fn the_program_says_its_name_and_version() {
     let said = text(&symplint(&["--version"]).stdout);
     let version = env!("CARGO_PKG_VERSION");
@@ -369,7 +393,7 @@ fn a_system_stands_for_its_configuration_and_a_dash_for_standard_input() {
     assert_eq!(found["evidence"], by_name["evidence"]);
     let output = symplint(&["check", "henon-heils"]);
     assert_eq!(output.status.code(), Some(2));
-    assert!(text(&output.stderr).contains("symplint list systems"));
+    assert!(text(&output.stderr).contains("did you mean \"henon-heiles\""));
 }
 
 #[test]
