@@ -235,9 +235,7 @@ impl Advice {
             Advice::OtherLoops => {
                 "Take other loops: one that is off the symmetries of the system, and a larger one."
             }
-            Advice::MoreLoops => {
-                "One loop tests one region of phase space: set loops to 8 for more certainty."
-            }
+            Advice::MoreLoops => "One loop tests one region of phase space: set loops to 8.",
             Advice::MoreLoopsOfFile => {
                 "One loop tests one region of phase space: also measure others, from `symplint loop --shape fourier --seed 2`, for example."
             }
