@@ -87,7 +87,7 @@ def compose(*parts: Part) -> Composition:
     Raises
     ------
     InputError
-        If there is no part, or one is not a pair of a name and a function.
+        If the parts are empty, or a part is not a pair of a name and a function.
 
     Examples
     --------
@@ -104,7 +104,7 @@ def compose(*parts: Part) -> Composition:
     'Of the 3 substeps at h = 0.5, substep 3 (friction) changes the loop integral by -5.00e-3'
     """
     if not parts:
-        raise InputError("there is no part; give pairs of a name and a function")
+        raise InputError("no parts are given; give pairs of a name and a function")
     for number, part in enumerate(parts):
         if not (isinstance(part, tuple | list) and len(part) == 2):
             raise InputError(f"part {number} is {part!r}; give a pair of a name and a function")

@@ -128,7 +128,7 @@ def measure(
     'symplectic'
     """
     if not after:
-        raise InputError("there is no loop after the step; give measure((q, p), (q1, p1))")
+        raise InputError("no loop after the step is given; use measure((q, p), (q1, p1))")
     sizes = _step_sizes(h, len(after))
     if len(sizes) != len(after):
         raise InputError(f"h has {len(sizes)} values for {len(after)} loops after the step; give one for each")

@@ -101,7 +101,7 @@ def test_parts_take_one_state_at_a_time_or_change_it_in_place():
 @pytest.mark.parametrize(
     ("parts", "words"),
     [
-        ([], "there is no part"),
+        ([], "no parts are given"),
         ([drift], "part 0 is <function drift"),
         ([("drift", 3)], r"part 0 \(drift\) is an object of type int"),
         ([(3, drift)], "the name of part 0 is 3"),

@@ -44,7 +44,7 @@ struct Frame {
     p: Vec<f64>,
 }
 
-/// Why there is no answer.
+/// The reason why an answer is missing.
 #[derive(Serialize)]
 struct Refusal {
     error: String,

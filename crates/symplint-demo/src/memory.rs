@@ -33,7 +33,7 @@ pub unsafe extern "C" fn symplint_free(text: *mut u8, length: usize) {
     }
 }
 
-/// The answer to a configuration: four bytes of its length, little-endian, and its text. Null if there is no room for it. The caller
+/// The answer to a configuration: four bytes of its length, little-endian, and its text. Null if memory for it is missing. The caller
 /// frees it with the length plus four.
 ///
 /// # Safety

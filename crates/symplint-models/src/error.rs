@@ -97,7 +97,7 @@ pub enum ModelError {
         expected: usize,
     },
     /// No integrator has this name.
-    #[error("there is no integrator \"{name}\"; there are {}", .known.join(", "))]
+    #[error("unknown integrator \"{name}\"; available: {}", .known.join(", "))]
     UnknownIntegrator {
         /// The name given.
         name: String,

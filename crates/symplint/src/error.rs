@@ -144,7 +144,7 @@ pub enum Error {
         remedy: &'static str,
     },
     /// A degree of freedom that is not there.
-    #[error("there is no degree of freedom {dof}: there are {count}, counted from 0")]
+    #[error("degree of freedom {dof} does not exist: there are {count}, counted from 0")]
     NoSuchDof {
         /// The number given.
         dof: usize,

@@ -72,7 +72,7 @@ impl Jobs {
                 return (round + 1, collected);
             }
         }
-        panic!("there is no end of rounds");
+        panic!("the rounds do not end");
     }
 
     /// The same run without jobs.

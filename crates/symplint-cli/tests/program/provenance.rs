@@ -12,7 +12,7 @@ pub fn results(output: &[u8]) -> String {
     // At the top level: it is indented by two blanks, and ends the report.
     let (results, provenance) = report
         .split_once(",\n  \"provenance\": ")
-        .unwrap_or_else(|| panic!("there is no provenance in {report}"));
+        .unwrap_or_else(|| panic!("the report has no provenance: {report}"));
     let provenance = provenance.trim_end().strip_suffix('}').unwrap();
     serde_json::from_str::<Value>(provenance).expect("nothing after the provenance");
     results.to_owned()

@@ -142,7 +142,7 @@ impl<'a> Header<'a> {
         let dictionary = (text.trim())
             .strip_prefix('{')
             .and_then(|text| text.strip_suffix('}'))
-            .ok_or("its header is no dictionary")?;
+            .ok_or("its header is not a dictionary")?;
         let entries = entries(dictionary);
         let entry = |name: &str| {
             (entries.iter())

@@ -125,7 +125,7 @@ impl Columns {
                 Some(("q", rest)) => (0, rest),
                 Some(("p", rest)) => (1, rest),
                 Some(("s", "")) => continue,
-                _ => return Err(format!("there is no column \"{name}\" of a loop")),
+                _ => return Err(format!("unknown column \"{name}\"")),
             };
             let dof: usize = match number.strip_prefix('_').unwrap_or(number) {
                 "" => 0,

@@ -31,7 +31,7 @@ impl<M: TimeAdvance> Compose<M> {
     /// The composition of `parts`, pairs of a fraction and a map, the first to be applied first.
     ///
     /// # Errors
-    /// If there is no part, a fraction is not finite, or parts differ in their degrees of freedom,
+    /// If `parts` is empty, a fraction is not finite, or parts differ in their degrees of freedom,
     /// periods or momentum weights.
     pub fn new(parts: Vec<(f64, M)>) -> Result<Self, ModelError> {
         let Some((_, first)) = parts.first() else {

@@ -45,7 +45,7 @@ impl<B: Bond> Chain<B> {
     /// A chain of `masses` masses.
     ///
     /// # Errors
-    /// If there is no mass, or a ring has a single one, which would be joined to itself.
+    /// If `masses` is 0, or a ring has a single mass, which would be joined to itself.
     pub fn new(bond: B, masses: usize, ends: Ends) -> Result<Self, ModelError> {
         if masses == 0 {
             return Err(ModelError::Empty {

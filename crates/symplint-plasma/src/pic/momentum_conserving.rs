@@ -84,7 +84,7 @@ impl MomentumConservingPic {
     /// The system that `config` describes.
     ///
     /// # Errors
-    /// If there is no particle, a weight or the density is zero or not finite, the degree is above 5, there are fewer than 3
+    /// If the number of particles is 0, a weight or the density is zero or not finite, the degree is above 5, there are fewer than 3
     /// cells or more than memory is meant to be spent on, or the length is not positive and finite.
     pub fn new(config: MomentumConservingConfig) -> Result<Self, ModelError> {
         if config.degree > MAX_DEGREE {

@@ -113,7 +113,7 @@ impl<const D: usize> Pic<D> {
     /// The system that `config` describes. There are systems for `D` = 1 and 2 only.
     ///
     /// # Errors
-    /// If there is no particle, a weight or the density is zero or not finite, the degree does
+    /// If the number of particles is 0, a weight or the density is zero or not finite, the degree does
     /// not exist in the family, the number of cells is 0 or more than memory is meant to be spent on, or the
     /// length is not positive and finite.
     pub fn new(config: PicConfig) -> Result<Self, ModelError> {

@@ -20,7 +20,7 @@ impl ParticleWeights {
     /// The weight of every particle in a box of the given volume.
     ///
     /// # Errors
-    /// If there is no particle, a weight or the density is zero or not finite, or the sum of the weights is not finite.
+    /// If the number of particles is 0, a weight or the density is zero or not finite, or the sum of the weights is not finite.
     pub(crate) fn of_box(self, volume: f64) -> Result<Vec<f64>, ModelError> {
         let weights = match self {
             ParticleWeights::Each(weights) => weights,

@@ -14,7 +14,7 @@ pub struct PreservedForm {
     pub dof: usize,
     /// Whether all constant forms were tried; otherwise those of weights and signs, Σ c_i dq_i∧dp_i.
     pub all_constant: bool,
-    /// Whether, as there is no constant form, forms were tried with a magnetic field that is a polynomial in q.
+    /// Whether forms with a magnetic field that is a polynomial in q were tried, after no constant form was preserved.
     #[serde(default)]
     pub with_fields: bool,
     /// Whether the step is linear: its Jacobian is the same at all states.

@@ -37,7 +37,7 @@ pub struct Setting {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum RequestError {
     /// No setting has this name.
-    #[error("there is no setting \"{name}\"; available: {}", available())]
+    #[error("unknown setting \"{name}\"; available: {}", available())]
     Unknown {
         /// The name that was given.
         name: String,

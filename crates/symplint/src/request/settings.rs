@@ -417,6 +417,6 @@ mod tests {
     #[test]
     fn unknown_names_are_refused() {
         let error = read("sampels", Value::Whole(4)).unwrap_err();
-        assert!(error.starts_with("there is no setting \"sampels\"; available: rule, "));
+        assert!(error.starts_with("unknown setting \"sampels\"; available: rule, "));
     }
 }

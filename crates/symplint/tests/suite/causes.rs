@@ -262,7 +262,7 @@ fn a_factor_that_only_loops_resolve_is_named() {
     let words = ["of all loops, by 1 − 1.00", "uniform friction", "γ = 2.00"];
     let friction = cause(&found, CauseKind::Friction, &words);
     assert!(!friction.text.contains("Jacobian"), "{}", friction.text);
-    // In proportion to h² it is no friction.
+    // A change in proportion to h² is not friction.
     let found = verdict(&damped(4e-11, 2), &[0.3, 1.0], &[0.2, -0.1], 0.5);
     let found = cause(&found, CauseKind::Friction, &["falls faster than h"]);
     assert!(found.remedy.contains("not symplectic"), "{}", found.remedy);

@@ -16,7 +16,7 @@ pub(super) struct Equations {
 pub(super) enum Solutions {
     /// A space of solutions.
     Space(NullSpace),
-    /// There is no solution: the residual of the unknowns that come nearest to one, whose largest one is 1.
+    /// No unknowns solve the equations. The residual is the smallest one of unknowns whose largest is 1.
     None { residual: f64 },
     /// The errors leave it open.
     Open,
