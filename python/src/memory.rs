@@ -187,8 +187,8 @@ unsafe impl<A: Send> Send for Loan<A> {}
 impl<A> Loan<A> {
     /// The block, until the loan is used again.
     pub fn block(&mut self) -> Block<'_> {
-        // SAFETY: the lender waits in `lend` until this loan is gone, so the block exists and is not used by it. What is
-        // handed out lives no longer than this borrow of the loan.
+        // SAFETY: the lender waits in `lend` until this loan is gone, so the block exists and the lender does not use it.
+        // The returned block lives no longer than this borrow of the loan.
         unsafe { self.block.as_mut() }.reborrow()
     }
 

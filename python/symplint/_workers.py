@@ -35,8 +35,8 @@ POLL_SECONDS = 1.0
 MAX_CHECKS = 16
 #: The error of a method `map` that loses or reorders results.
 OTHER_ORDER = (
-    "the executor does not return one result for each task in the order of the tasks; give one whose map does, as those of "
-    "concurrent.futures"
+    "the executor does not return one result for each task in the order of the tasks; give one whose map does, such "
+    "as the executors of concurrent.futures"
 )
 
 States = tuple[Array, Array]
@@ -50,7 +50,7 @@ class Workers:
         executor = executor.get_executor() if hasattr(executor, "get_executor") else executor
         if not callable(getattr(executor, "submit", None)):
             if not callable(getattr(executor, "map", None)):
-                message = "give one with a method submit or map, as those of concurrent.futures have"
+                message = "give one with a method submit or map, such as the executors of concurrent.futures"
                 raise InputError(f"executor is an object of type {type(executor).__name__}; {message}")
             executor = MapExecutor(executor)
         self._executor: Any = executor

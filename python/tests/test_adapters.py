@@ -1,7 +1,7 @@
 """Adapters of other packages: verdicts on methods whose truth is known.
 
 A method is symplectic if it composes flows of Hamiltonians (Verlet, Wisdom–Holman, symplectic Euler), is a symplectic Runge–Kutta method,
-or is exact; comments state the reason where it is another one. What a user writes is the line with `adapters`, besides the system.
+or is exact. If the reason is another one, a comment states it. Besides the system, a user writes only the line with `adapters`.
 """
 
 import pickle

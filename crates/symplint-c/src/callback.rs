@@ -1,7 +1,7 @@
 //! The caller's step as a map.
 //!
-//! The diagnosis runs on threads of its own. Steps are asked for through a channel and taken on the thread that called
-//! `symplint_check`, one at a time: the caller's code need not be safe for threads.
+//! The diagnosis runs on separate threads, and requests steps through a channel. The thread that called `symplint_check` takes them,
+//! one at a time: the caller's code need not be safe for threads.
 
 use std::ffi::{c_int, c_void};
 use std::ops::Range;

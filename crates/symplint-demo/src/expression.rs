@@ -18,7 +18,7 @@ pub struct Misprint {
     pub message: String,
 }
 
-/// What the last token was.
+/// The kind of the last token.
 #[derive(Clone, Copy, PartialEq)]
 enum Last {
     /// Nothing, or an opening parenthesis.

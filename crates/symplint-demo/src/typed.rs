@@ -15,7 +15,7 @@ const MOST_LETTERS: usize = 500;
 /// Evaluations of the diagnosis, as for the systems of the page.
 const BUDGET: usize = 200_000;
 
-/// What the page sends: `step` and the loop.
+/// The request of the page: `step` and the loop.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TypedRun {

@@ -163,8 +163,8 @@ fn plane(ensemble: &Ensemble, dof: usize) -> Vec<(f64, f64)> {
     q.iter().copied().zip(p.iter().copied()).collect()
 }
 
-/// The loop before and after a step, in the plane of the degree of freedom that jumps first, or else of the first. What the evidence
-/// says of places on the loop is marked.
+/// The loop before and after a step, in the plane of the degree of freedom that jumps first, or else of the first. Marks
+/// show the places on the loop that the evidence names.
 ///
 /// Drawn as points, because a line would hide that a loop is broken.
 fn loop_figure(title: &str, evidence: &Evidence, picture: &LoopPicture) -> Figure {

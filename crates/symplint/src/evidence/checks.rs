@@ -23,7 +23,7 @@ macro_rules! checks {
                 }
             }
 
-            /// What a report says if it is left out.
+            /// The sentence of a report if the check is left out.
             pub(crate) fn left_out(self) -> &'static str {
                 match self {
                     $(Check::$name => $left_out,)*

@@ -101,7 +101,7 @@ pub struct Evidence {
     /// Whether steps back undo a step.
     #[serde(default)]
     pub structure: Option<StructureEvidence>,
-    /// The given loop before and after the largest step. A [`Diagnosis`](crate::Diagnosis) holds it beside the evidence.
+    /// The given loop before and after the largest step. A [`Diagnosis`](crate::Diagnosis) holds it next to the evidence.
     #[serde(skip)]
     pub picture: Option<LoopPicture>,
     /// Measurements that were asked for and not made.

@@ -58,7 +58,7 @@ impl SixthDifferences {
     }
 }
 
-/// States beside the one in the middle of a row, in spacings. They are not equidistant: stairs whose height divides the spacing would
+/// States on both sides of the one in the middle of a row, in spacings. They are not equidistant: stairs whose height divides the spacing would
 /// look straight.
 pub(crate) const BESIDE: [f64; 12] = [
     -5.81, -5.23, -3.88, -3.17, -1.83, -0.92, 1.13, 2.21, 2.94, 4.27, 4.79, 6.17,
@@ -93,7 +93,7 @@ pub(crate) struct Noise {
 }
 
 impl Noise {
-    /// Adds what the values beside the middle differ from the value there, at one spacing; `of_a_row` is [`of_a_row`].
+    /// Adds the differences of the neighbouring values from the value in the middle, at one spacing; `of_a_row` is [`of_a_row`].
     pub fn add(&mut self, of_a_row: &SixthDifferences, differences: [f64; BESIDE.len()]) {
         if self.resolved {
             return;

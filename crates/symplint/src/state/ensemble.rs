@@ -8,7 +8,7 @@ use crate::signal::unwrap_row;
 use crate::state::{Block, Coordinates};
 use crate::state::{Rows, RowsMut};
 
-/// Memory of ensembles that are kept or made beside the one which is measured: they are a small part of what a machine has.
+/// Memory of the ensembles besides the measured one: a small part of the memory of a machine.
 pub(crate) const SMALL_MEMORY: usize = 64 << 20;
 
 /// The states of all samples, one contiguous row of N_s values for each coordinate.

@@ -80,7 +80,7 @@ fn found(family: &Family, index: usize, budget: usize) -> Option<Found> {
     })
 }
 
-/// Whether the verdict excludes errors as rare as those of the member.
+/// Whether the errors of the member are rarer than the rarest errors that the verdict excludes.
 fn may_miss(member: &Member, verdict: &Verdict) -> bool {
     let stated = verdict.findings.iter().find_map(|finding| match finding {
         Finding::Bounds(BoundFinding::Resolution { one_in, .. }) => *one_in,

@@ -16,7 +16,7 @@ use crate::truth_set::random::Random;
 
 pub const COUNT: usize = 240;
 
-/// Of the states, 1 in this number is off, if few are.
+/// One state in this number is off, if few states are off.
 const ONE_IN: usize = 300;
 
 /// A number in [0, 1) that the bits of a state scramble (splitmix64).

@@ -150,7 +150,7 @@ fn pieces() -> Vec<Case> {
             "rk4",
             inside(),
             NOT_SYMPLECTIC,
-            "the force is linear within a cell: det = 1 − h⁶V''³/72, 1e-8 at most",
+            "the force is linear within a cell: det = 1 − h⁶V''³/72, at most 1e-8",
         ),
         Case::built(
             "two cells, inside one",

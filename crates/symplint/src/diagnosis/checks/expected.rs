@@ -17,7 +17,7 @@ const OF_BREAK_SIDES: usize = 30;
 /// Evaluations of the loops that confirm a preserved form, about. Calibrated on the truth set.
 const OF_PRESERVED_FORM: usize = 150;
 
-/// What the evaluations to come depend on.
+/// The number of remaining evaluations depends on these numbers.
 #[derive(Clone, Copy)]
 pub(super) struct Cost {
     /// Evaluations of one step of the given loop.

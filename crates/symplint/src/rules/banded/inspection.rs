@@ -64,7 +64,7 @@ pub(super) struct Inspection {
 }
 
 impl Inspection {
-    /// Of a row, from windows this far apart; `None` if they show more than rounding.
+    /// Inspects a row by windows this far apart; `None` if they show more than rounding.
     pub fn of(row: &[f64], stride: usize) -> Option<Self> {
         /// Enough for two groups of windows.
         const ENDS: usize = 2 * LANES * P_STRIDE + WINDOW;

@@ -56,8 +56,8 @@ use scales::Scales;
 pub enum Closure {
     /// Between the ends of the advanced loop: straight chords.
     Chords,
-    /// Where the substep breaks the loop, and then carried through the remaining substeps. A map that
-    /// is one whole has straight chords.
+    /// At the breaks that a substep makes; the remaining substeps then advance the chords. A map without declared substeps has
+    /// straight chords.
     ///
     /// A composition of symplectic substeps with continuous potentials then conserves the closed
     /// integral to round-off at every step size, however often its force jumps.

@@ -165,7 +165,7 @@ mod tests {
             .collect();
         let off = misses(&samples, &Coordinates::plain(1), &states(&s, wave), &s);
         let largest = off.iter().fold(0.0, |m: f64, x| m.max(*x));
-        // Sines of angles up to π, in place of π/2, would make it 2e-13.
+        // Sines of angles up to π, instead of π/2, would make it 2e-13.
         assert!(largest < 2e-14, "{largest:e}");
     }
 
