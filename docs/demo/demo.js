@@ -13,6 +13,10 @@
     typed: "your own step",
   };
   const INTEGRATORS = ["strang", "lie-trotter", "yoshida4", "implicit-midpoint", "gauss4", "euler", "rk2", "rk4"];
+  const CAPTIONS = {
+    step_sizes: "Change of the loop integral against the step size",
+    loop: "The loop before and after one step",
+  };
   // Step sizes of a sweep: h, h/2, …
   const SIZES = 6;
   // The animation ends at states this many times as far from the origin as at its start.
@@ -112,7 +116,8 @@
     if (answer.error) return;
     page("answer").dataset.kind = answer.kind;
     page("text").textContent = answer.text;
-    page("figures").innerHTML = answer.figures.map(({ svg }) => `<figure>${svg}</figure>`).join("");
+    const named = ({ name, svg }) => svg.replace("<svg ", `<svg role="img" aria-label="${CAPTIONS[name] ?? "A figure"}" `);
+    page("figures").innerHTML = answer.figures.map((figure) => `<figure>${named(figure)}</figure>`).join("");
     animate(answer.frames);
   }
 
