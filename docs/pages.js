@@ -1,7 +1,11 @@
-// Reaches by the keyboard what the mouse reaches in the book: wide tables and blocks of code scroll, and the sidebar opens.
+// Pages of the book: wide parts scroll by the keyboard, the sidebar opens by it, and numbers in tables stay on one line.
 "use strict";
 
 (() => {
+  for (const cell of document.querySelectorAll(".content td")) {
+    if (/^[-+−]?[\d.]+e[-−]\d+$/.test(cell.textContent.trim())) cell.style.whiteSpace = "nowrap";
+  }
+
   function markWideParts() {
     for (const part of document.querySelectorAll(".content .table-wrapper, .content pre > code")) {
       if (part.scrollWidth > part.clientWidth) part.tabIndex = 0;
