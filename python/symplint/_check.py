@@ -127,9 +127,9 @@ def check(
     repeat : int
         The step is composed with itself this number of times.
     radius : float, array_like, pair of them or "auto", optional
-        Radius of the loop: a number, an array with one radius for each degree of freedom, or a tuple of the radius in q and the radius
-        in p. "auto" takes the size of the loop from the map. The default is 1, or the radius of a step of `symplint.adapters`. Not
-        together with `loop`.
+        Radius of the loop: a number, or an array with one radius for each degree of freedom. A tuple has the radius in q and the
+        radius in p. "auto" takes the size of the loop from the map. The default is 1, or the radius of a step of
+        `symplint.adapters`. Not together with `loop`.
     phases : {"staggered", "equal", "random"}
         The point of the circle at which each degree of freedom starts: multiples of the golden ratio, the same point, or random points.
         "equal" is the circle of the paper. All particles then move together, and forces between pairs stay constant. Not together with
@@ -209,10 +209,11 @@ def check(
         Your loop is also followed for this number of steps of the largest size. The report states whether the defect accumulates.
         This takes `steps` evaluations for each sample of the loop (256 to 8192). If `budget` is not given, it grows by 512 for each step.
     workers : int, callable or executor, optional
-        Runs the steps: a number of processes (-1 for one per processor), a function like the built-in `map`, such as ``pool.map``, or an
-        object with a method `submit` or `map` as in `concurrent.futures`, such as a client of Dask or an ``MPIPoolExecutor``. Each
-        ensemble is cut into at most 64 arcs, or into single states with `per_sample`, and `step` is called for each arc. Results do not
-        depend on the number of workers. If a worker dies, the check ends with an error. With `run_dir`, it can be resumed.
+        Runs the steps: a number of processes (-1 for one per processor), a function or an executor. A function is like the built-in
+        `map`, for example ``pool.map``. An executor has a method `submit` or `map` as in `concurrent.futures`, for example a client
+        of Dask or an ``MPIPoolExecutor``. Each ensemble is cut into at most 64 arcs, or into single states with `per_sample`, and
+        `step` is called for each arc. Results do not depend on the number of workers. If a worker dies, the check ends with an
+        error. With `run_dir`, it can be resumed.
     threads : int, optional
         Number of threads of the library. The default is one thread for a function, and one per core for an integrator of the library.
         More threads for a function only help with very many degrees of freedom. `step` is always called from the calling thread.
@@ -222,8 +223,8 @@ def check(
         was stopped resumes when it is run again, and gives the same report. The folder is refused if it holds another run: with other
         arguments, another version of symplint, or a step whose module has another source text.
     key : str, optional
-        With `run_dir`, a text that identifies everything that the source text of the step does not show: parameters from a file, the
-        state of an object, compiled code. Another key means another run.
+        With `run_dir`, a text that identifies everything that the source text of the step does not show. Examples are parameters
+        from a file, the state of an object, and compiled code. Another key means another run.
     progress : bool or callable, optional
         True shows the progress and the time left on standard error, if this is a terminal. A function gets the number of points
         measured, the number planned, and the step size of the last point.

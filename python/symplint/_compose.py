@@ -81,8 +81,8 @@ def compose(*parts: Part) -> Composition:
     Returns
     -------
     Composition
-        The whole step. If `check` finds that it changes loop integrals, one more pass of a loop through all parts tells which of
-        them do, however many there are.
+        The whole step. If it changes loop integrals, `check` sends one more loop through all parts, and reports which of them do.
+        The number of parts does not matter.
 
     Raises
     ------

@@ -90,7 +90,7 @@ def from_ode(
 
     Notes
     -----
-    A method that controls its error conserves loop integrals to about its tolerance only, because loops break at states for which the
+    A method that controls its error conserves loop integrals only to about its tolerance: loops break at states for which the
     number of steps changes. Set `rtol` and `atol` to test a simulation with these tolerances. Set `fixed_steps` to test the method.
 
     Examples

@@ -70,8 +70,9 @@ class Property(NamedTuple):
     holds : bool or None
         Whether the map has it; None if it was not tested, or the test is not precise enough.
     defect, uncertainty : float or None
-        The largest deviation from the property, with its uncertainty: the relative change of a loop integral, the deviation of det DΦ
-        from 1, or the distance between a state and the state to which the map returns it, in units of half the range of the loop.
+        The largest deviation from the property, with its uncertainty. It is the relative change of a loop integral, the deviation
+        of det DΦ from 1, or the distance between a state and the state to which the map returns it. Distances are in units of half
+        the range of the loop.
     factor, factor_uncertainty : float or None
         The factor by which a step of a conformally symplectic map multiplies all areas.
     rate, rate_uncertainty : float or None
