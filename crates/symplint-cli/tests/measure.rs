@@ -602,7 +602,7 @@ fn bad_tables_are_refused_with_their_line() {
         ),
         ("q_0,q_1,p_0\n", "q_0, q_1, p_0"),
         ("q_1,p_1\n", "q_1, p_1 are not q and p"),
-        ("q_0,energy\n", "no column \"energy\""),
+        ("q_0,energy\n", "unknown column \"energy\""),
         ("q_0,p_0\n1,2\n", "1 samples"),
         ("", "0 samples"),
     ] {

@@ -195,7 +195,7 @@ fn bad_settings_are_refused_with_place_and_remedy() {
     refused(
         PENDULUM,
         &["loop.dofs=[1]"],
-        &["no degree of freedom 1", "there are 1"],
+        &["degree of freedom 1 does not exist", "there are 1"],
     );
     refused(PENDULUM, &["loop"], &["--set KEY=VALUE"]);
     refused(PENDULUM, &["system.q0=1e300"], &["encloses no area"]);

@@ -261,8 +261,8 @@ mod tests {
     #[test]
     fn headers_that_are_no_dictionary_are_refused() {
         for (header, reason) in [
-            ("", "no dictionary"),
-            (&"{1:".repeat(4000), "no dictionary"),
+            ("", "not a dictionary"),
+            (&"{1:".repeat(4000), "not a dictionary"),
             (&format!("{{{}}}", "[".repeat(1 << 20)), "'descr'"),
             ("{'descr': '<f8', 'shape': (1,)}", "'fortran_order'"),
             (
