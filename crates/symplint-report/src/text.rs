@@ -117,11 +117,16 @@ fn findings(verdict: &Verdict, shown: Shown) -> String {
     lines.collect::<Vec<String>>().join("\n")
 }
 
-/// The properties of the map that do not follow from the verdict, if there are any.
+/// The properties of the map that do not follow from the verdict, as one sentence, if there are any.
 pub fn properties(verdict: &Verdict) -> Option<String> {
-    let properties = (verdict.properties.iter()).filter(|property| !property.implied);
-    let texts: Vec<String> = properties.map(Property::to_string).collect();
+    let texts = list_of_properties(verdict);
     (!texts.is_empty()).then(|| texts.join(", "))
+}
+
+/// The properties of the map that do not follow from the verdict.
+pub(crate) fn list_of_properties(verdict: &Verdict) -> Vec<String> {
+    let properties = (verdict.properties.iter()).filter(|property| !property.implied);
+    properties.map(Property::to_string).collect()
 }
 
 /// The sweeps of the given loop, one table for each rule.

@@ -11,7 +11,7 @@ use symplint::{Diagnosis, Verdict, VerdictKind};
 use self::html::{escaped, sentence};
 use crate::number::in_thousands;
 use crate::provenance::Provenance;
-use crate::text::{by_label, summary};
+use crate::text::{by_label, list_of_properties, summary};
 
 pub use settings::Repeat;
 
@@ -114,7 +114,10 @@ impl Page<'_> {
         // The number of evaluations stands below the cards.
         let cards: String = (by_label(verdict, true).iter())
             .filter(|(title, _)| *title != "Cost")
-            .map(|(title, sentences)| section(title, sentences))
+            .map(|(title, sentences)| match *title {
+                "Also" => section(title, &list_of_properties(verdict)),
+                _ => section(title, sentences),
+            })
             .collect();
         let _ = write!(text, "<div class=\"cards\">\n{cards}</div>\n");
         let figures: String = (self.figures.iter())

@@ -85,7 +85,9 @@ pub(super) fn places(diagnosis: &Diagnosis) -> String {
         0 => "your loop".to_owned(),
         k => format!("random loop {k}"),
     };
-    let at = (place.step_size).map_or(String::new(), |h| format!(" at h = {}", step_size_text(h)));
+    let at = (place.step_size).map_or(String::new(), |h| {
+        format!(" at h\u{a0}=\u{a0}{}", step_size_text(h))
+    });
     let breaks = substeps.iter().any(|of| of.new_breaks > 0);
     let rows = substeps.iter().map(|of| Bar {
         name: format!("{}: {}", of.substep.saturating_add(1), of.name),
