@@ -1,18 +1,23 @@
-// Pages of the book: wide parts scroll by the keyboard, the sidebar opens by it, and numbers in tables stay on one line.
+// Pages of the book: wide parts scroll by the keyboard, the sidebar opens by it, and tables have room for numbers and sentences.
 "use strict";
 
 (() => {
+  const WIDE = ".content .table-wrapper, .content pre > code, .content p:has(> img)";
+
   for (const cell of document.querySelectorAll(".content td")) {
-    if (/^[-+−]?[\d.]+e[-−]\d+$/.test(cell.textContent.trim())) cell.style.whiteSpace = "nowrap";
+    const text = cell.textContent.trim();
+    if (/^[-+−]?[\d.]+e[-−]\d+$/.test(text)) cell.style.whiteSpace = "nowrap";
+    else if (text.length > 40) cell.style.minWidth = "16rem";
   }
 
   function markWideParts() {
-    for (const part of document.querySelectorAll(".content .table-wrapper, .content pre > code")) {
+    for (const part of document.querySelectorAll(WIDE)) {
       if (part.scrollWidth > part.clientWidth) part.tabIndex = 0;
       else part.removeAttribute("tabindex");
     }
   }
   markWideParts();
+  window.addEventListener("load", markWideParts);
   window.addEventListener("resize", markWideParts);
 
   // mdBook makes this button from a label.
