@@ -48,7 +48,7 @@ impl Page<'_> {
         body += "<footer>\n";
         let _ = write!(
             body,
-            "<details><summary>Configuration</summary>\n<pre>{}</pre>\n</details>\n",
+            "<details><summary>Configuration</summary>\n<pre tabindex=\"0\">{}</pre>\n</details>\n",
             escaped(self.config)
         );
         let Provenance {
@@ -72,7 +72,7 @@ impl Page<'_> {
             escaped(processor)
         );
         let json = match self.json.len() <= LONGEST_JSON {
-            true => format!("<pre>{}</pre>", escaped(self.json)),
+            true => format!("<pre tabindex=\"0\">{}</pre>", escaped(self.json)),
             false => "<p>They are in <code>report.json</code> next to this page.</p>".into(),
         };
         let _ = write!(
