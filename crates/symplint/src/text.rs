@@ -32,10 +32,16 @@ pub fn plain_numbers(text: &str) -> String {
             + after[sign..]
                 .find(|c: char| !digits(c))
                 .unwrap_or(after.len() - sign);
+        // Names and codes such as `run1e2.csv` and `9e3f` are not numbers.
+        let is_of_word = |c: char| c.is_alphanumeric() || c == '_';
+        let left = if start > 0 { &before[..start] } else { &plain };
+        let right = after[length..].strip_prefix('.');
+        let is_number = !left.ends_with(is_of_word)
+            && !right.unwrap_or(&after[length..]).starts_with(is_of_word);
         let power = after[..length]
             .parse()
             .ok()
-            .filter(|power| (-1..5).contains(power));
+            .filter(|power| is_number && (-1..5).contains(power));
         match power.and_then(|power| shifted(&before[start..], power)) {
             Some(number) => {
                 plain += &before[..start];
@@ -257,6 +263,10 @@ mod tests {
             (
                 "the −e³ of 12e0 degrees, e-1, 1.e",
                 "the −e³ of 12e0 degrees, e-1, 1.e",
+            ),
+            (
+                "run_1e2.csv, v1e2, 9e3f, 1e2.h5, 1e2e3; (2e0)",
+                "run_1e2.csv, v1e2, 9e3f, 1e2.h5, 1e2e3; (2)",
             ),
         ] {
             assert_eq!(plain_numbers(text), plain);
