@@ -216,13 +216,17 @@ fn whole_law(data: &[Datum]) -> Option<(f64, f64)> {
     (within && uncertainty <= MOST_UNCERTAIN).then_some((whole, uncertainty))
 }
 
-/// The same of h^k (a + b h) if no local slope is k, because the second term is larger at all steps or has the other sign. Three terms
-/// would fit defects of no order, too.
+/// The same of h^k (a + b h) if no local slope is k, because the second term is larger at all steps or has the other sign. Three terms,
+/// or fewer points, would fit defects of no order, too.
 fn hidden_law(data: &[Datum]) -> Option<(f64, f64)> {
+    if data.len() < MOST_POINTS {
+        return None;
+    }
     let (highest, whole) = highest_exponent(data)?;
     let fits = |&k: &f64| misfit(data, k, &[0, 1]) <= 1.0;
     let highest = exponents(whole, highest).rev().find(fits)?;
-    fits(&whole).then_some((whole, highest - whole))
+    let uncertainty = highest - whole;
+    (fits(&whole) && uncertainty <= MOST_UNCERTAIN).then_some((whole, uncertainty))
 }
 
 /// The constant e of E = e + h^k (a + b h), if no power of h below k takes its place and two neighbouring local slopes of
@@ -399,6 +403,17 @@ pub(super) mod tests {
         // Too small to be told from another law.
         let fit = fit_order(&evidence(|h| h.powi(4) + 1e-5 * h.powi(3), 1e-16)).expect("a law");
         assert_ne!(fit.whole(), Some(3.0), "{fit:?}");
+    }
+
+    #[test]
+    fn few_points_hide_no_order() {
+        // Four points fit h^0 (a + b h), and h^2 (a + b h).
+        for law in [|h: f64| h + 0.1 * h.sqrt(), |h: f64| h.powi(3) - 6e-3 * h] {
+            let mut found = evidence(law, 2e-16);
+            found.steps.truncate(4);
+            let whole = fit_order(&found).and_then(|fit| fit.whole());
+            assert_eq!(whole, None);
+        }
     }
 
     #[test]
