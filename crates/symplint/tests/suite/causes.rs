@@ -349,6 +349,18 @@ fn a_transfer_matrix_that_was_rounded_is_named_and_all_its_digits_make_it_symple
 }
 
 #[test]
+fn a_matrix_that_preserves_another_form_is_not_called_rounded() {
+    // Weights 1 and 2.
+    let found = turn([
+        [1.0, 0.0, 0.0, 0.0],
+        [0.0, 1.0, 0.0, 0.0],
+        [-100.0, -0.1, 1.0, 0.0],
+        [-0.05, 0.0, 0.0, 1.0],
+    ]);
+    cause(&found, CauseKind::VelocitiesForMomenta, &["2 dq1"]);
+}
+
+#[test]
 fn a_damped_matrix_is_not_called_rounded() {
     let damped = |matrix: [[f64; 4]; 4], factor: f64| {
         let [q0, q1, p0, p1] = matrix;

@@ -109,7 +109,9 @@ impl Clues<'_> {
 
     /// A transfer matrix was written with few digits. The matrix of a step depends on its size, and is computed.
     pub(super) fn rounded_matrix(&self) -> Option<Cause> {
-        let form = (self.evidence.preserved_form.as_ref()).filter(|of| of.step_size.is_none())?;
+        // Rounding leaves no other form that is preserved.
+        let form = (self.evidence.preserved_form.as_ref())
+            .filter(|of| of.step_size.is_none() && of.exists != Some(true))?;
         let digits = match form.digits_of_matrix? {
             DigitsOfMatrix::Decimals(k) => format!("{k} digits after the point"),
             DigitsOfMatrix::Significant(k) => format!("{k} significant digits"),
