@@ -349,6 +349,19 @@ fn a_transfer_matrix_that_was_rounded_is_named_and_all_its_digits_make_it_symple
 }
 
 #[test]
+fn entries_of_different_sizes_share_significant_digits() {
+    // Three digits after the point hold all entries, but cannot explain the determinant.
+    let found = turn([
+        [12.3, 0.0, 4.57, 0.0],
+        [0.0, 1.0, 0.0, 0.0],
+        [0.234, 0.0, 0.169, 0.0],
+        [0.0, 0.0, 0.0, 1.0],
+    ]);
+    let words = "no entry of its matrix has more than 3 significant digits";
+    cause(&found, CauseKind::RoundedMatrix, &[words]);
+}
+
+#[test]
 fn a_matrix_that_preserves_another_form_is_not_called_rounded() {
     // Weights 1 and 2.
     let found = turn([

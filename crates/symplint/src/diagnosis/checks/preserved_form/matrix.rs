@@ -24,7 +24,7 @@ pub(super) fn digits(
     let matrix = in_coordinates(&columns.images);
     let errors = in_coordinates(&columns.errors);
     let digits = FEWEST_DIGITS_OF_MATRIX..=MOST_DIGITS_OF_MATRIX;
-    let candidates =
+    let mut candidates =
         digits.flat_map(|k| [DigitsOfMatrix::Decimals(k), DigitsOfMatrix::Significant(k)]);
     let is_rounded = |of: &DigitsOfMatrix| {
         let mut entries = matrix.iter().flatten().zip(errors.iter().flatten());
@@ -60,7 +60,7 @@ pub(super) fn digits(
             change.abs() <= most
         })
     };
-    candidates.into_iter().find(is_rounded).filter(explains)
+    candidates.find(|of| is_rounded(of) && explains(of))
 }
 
 /// The unit of the last digit of a number.
