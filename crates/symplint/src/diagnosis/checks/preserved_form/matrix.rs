@@ -52,15 +52,20 @@ pub(super) fn digits(
                 let weight = coordinates.weight(i);
                 change += weight * (of_a[i] * of_b[dof + i] - of_a[dof + i] * of_b[i]);
                 for (x, y) in [(of_a[i], of_b[dof + i]), (of_a[dof + i], of_b[i])] {
-                    most += 0.5
-                        * weight.abs()
-                        * (last_place(*of, x) * y.abs() + last_place(*of, y) * x.abs());
+                    let error_of_products = error(*of, x) * y.abs() + error(*of, y) * x.abs();
+                    most += weight.abs() * error_of_products;
                 }
             }
             change.abs() <= most
         })
     };
     candidates.find(|of| is_rounded(of) && explains(of))
+}
+
+/// The largest rounding error of a number that was rounded. A zero is exact, as an entry between motions that are not coupled.
+fn error(digits: DigitsOfMatrix, rounded: f64) -> f64 {
+    let half = 0.5 * last_place(digits, rounded);
+    if rounded.abs() < half { 0.0 } else { half }
 }
 
 /// The unit of the last digit of a number.
