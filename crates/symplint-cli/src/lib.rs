@@ -46,16 +46,29 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Status {
 
 /// Suggests `--set diagnostic.budget=VALUE` for the unknown option `--budget` of a command that has settings.
 fn name_setting(error: &mut clap::Error, arguments: &[OsString]) {
+    let text = |k: usize| {
+        arguments
+            .get(k)
+            .and_then(|text| text.to_str())
+            .unwrap_or_default()
+    };
+    let (command, system) = (text(1), text(2));
     let cli = Cli::command();
-    let command = arguments.get(1).and_then(|name| cli.find_subcommand(name));
-    let has_settings = command.is_some_and(|of| of.get_arguments().any(|of| of.get_id() == "set"));
+    let of_command = cli.find_subcommand(command);
+    let has_settings =
+        of_command.is_some_and(|of| of.get_arguments().any(|of| of.get_id() == "set"));
     if has_settings
         && let Some(ContextValue::String(option)) = error.get(ContextKind::InvalidArg)
         && error.kind() == ErrorKind::UnknownArgument
-        && let Some(setting) = setting(&option.trim_start_matches('-').replace('-', "_"))
+        && let key = option.trim_start_matches('-').replace('-', "_")
+        && let Some(setting) = setting(command, system, &key)
     {
-        let suggestion = format!("--set {setting}=VALUE");
-        error.insert(ContextKind::SuggestedArg, ContextValue::String(suggestion));
+        let tip = format!("this is a setting: --set {setting}=VALUE");
+        error.remove(ContextKind::SuggestedArg);
+        error.insert(
+            ContextKind::Suggested,
+            ContextValue::StyledStrs(vec![tip.into()]),
+        );
     }
 }
 

@@ -64,18 +64,41 @@ fn sections(system: &SystemInfo) -> [(&'static str, Vec<Key>); 4] {
     ]
 }
 
-/// The setting of a key whose section is not known: `diagnostic.budget` for `budget`; keys of systems come first. `integrator` is
-/// its name.
-pub fn setting(key: &str) -> Option<String> {
+/// The full name of a setting for a command: `diagnostic.budget` for `budget`. If several sections have the key, that of the command
+/// comes first, then `[diagnostic]`, and `[system]` comes last, of all systems if `system` is none of them. `integrator` stands for `integrator.name`.
+pub fn setting(command: &str, system: &str, key: &str) -> Option<String> {
     if key == "integrator" {
         return Some("integrator.name".into());
     }
-    let of_systems = SYSTEMS.iter().flat_map(|info| info.keys);
-    let of_systems = of_systems.map(|key| ("system", key.name));
-    let of_others = SYSTEMS.iter().flat_map(sections);
-    let of_others =
-        of_others.flat_map(|(name, keys)| keys.into_iter().map(move |of| (name, of.name)));
-    let (section, name) = of_systems.chain(of_others).find(|(_, name)| *name == key)?;
+    let named = SYSTEMS.iter().filter(|info| info.name == system);
+    let systems: Vec<&SystemInfo> = match named.clone().next() {
+        Some(_) => named.collect(),
+        None => SYSTEMS.iter().collect(),
+    };
+    let mut names = Vec::new();
+    for info in systems {
+        let of_section = |(section, keys): (&'static str, Vec<Key>)| {
+            keys.into_iter().map(move |key| (section, key.name))
+        };
+        // Only `trace` has the settings of a trace.
+        let is_of_command =
+            |(section, _): &(&str, Vec<Key>)| *section != "trace" || command == "trace";
+        names.extend(
+            sections(info)
+                .into_iter()
+                .filter(is_of_command)
+                .flat_map(of_section),
+        );
+        names.extend(info.keys.iter().map(|key| ("system", key.name)));
+    }
+    let rank = |section: &str| match section {
+        of_command if of_command == command => 0,
+        "diagnostic" => 1,
+        "system" => 3,
+        _ => 2,
+    };
+    names.sort_by_key(|(section, _)| rank(section));
+    let (section, name) = names.into_iter().find(|(_, name)| *name == key)?;
     Some(format!("{section}.{name}"))
 }
 

@@ -20,6 +20,14 @@ fn unknown_options_that_are_settings_are_told_how_to_set_them() {
             "--set integrator.name=VALUE",
         ),
         (["trace", "pendulum", "--q0=2"], "--set system.q0=VALUE"),
+        (
+            ["trace", "pendulum", "--steps=2"],
+            "--set trace.steps=VALUE",
+        ),
+        (
+            ["check", "pendulum", "--seed=2"],
+            "--set diagnostic.seed=VALUE",
+        ),
         (["check", "pendulum", "--quiett"], "'--quiet'"),
     ] {
         let output = symplint(&arguments);

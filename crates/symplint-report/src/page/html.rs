@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-/// The most characters that a line never divides: they fit on a narrow page.
+/// The longest text, in characters, that is never split between lines: it fits on a narrow page.
 const LONGEST_UNBROKEN: usize = 20;
 
 /// A sentence in HTML: exponents are raised, text between backticks is code, and lines do not end within numbers and equations.

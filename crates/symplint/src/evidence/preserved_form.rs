@@ -20,7 +20,7 @@ pub struct PreservedForm {
     /// Whether the step is linear: its Jacobian is the same at all states.
     #[serde(default)]
     pub is_linear: bool,
-    /// Of a linear step: the digits of all entries of its matrix, if they are few, and rounding to them makes as large defects as it has.
+    /// For linear steps: the number of digits of the matrix, if it is small and rounding to it explains the defect.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub digits_of_matrix: Option<DigitsOfMatrix>,
     /// States whose Jacobians were used.

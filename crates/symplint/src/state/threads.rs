@@ -2,12 +2,12 @@
 
 use rayon::prelude::*;
 
-/// A thread gets this many numbers at least, if each takes about a nanosecond. Calibrated: to wake a thread and to wait for it
+/// A thread gets at least this many numbers, if each takes about a nanosecond. Calibrated: to wake a thread and to wait for it
 /// takes 10 to 50 µs.
 const NUMBERS: usize = 1 << 14;
 
-/// What `each` makes of all items, in their order. An item stands for this many `numbers`. The thread that calls does the work if it is
-/// enough for one thread only.
+/// Applies `each` to all items and returns the results in their order. One item costs about `numbers` operations. The calling thread
+/// does all the work if it is too small for a second thread.
 pub(crate) fn in_parallel<T: Send, R: Send>(
     items: impl IntoIterator<Item = T>,
     numbers: usize,
@@ -22,7 +22,7 @@ pub(crate) fn in_parallel<T: Send, R: Send>(
     shared.map(each).collect()
 }
 
-/// The same for items that are worth a thread each, as blocks of states that a map advances.
+/// The same for items that are worth a thread each, such as blocks of states for a map.
 pub(crate) fn each_in_parallel<T: Send, R: Send>(
     items: impl IntoIterator<Item = T>,
     each: impl Fn(T) -> R + Send + Sync,

@@ -402,7 +402,7 @@ impl<'a> Case<'a> {
             .findings
             .extend(threshold.iter().map(|(finding, _)| finding.clone()));
         decision.findings.extend(moves_rest(found));
-        // That of the stated order comes first.
+        // The law of the stated order comes first.
         let mut fits: Vec<&Fit> = self.fits.iter().collect();
         fits.sort_by_key(|fit| trend != Some(*fit));
         decision.findings.extend(fits.into_iter().map(|fit| {
@@ -525,7 +525,7 @@ impl<'a> Case<'a> {
             steps.count()
         };
         let drowned = swept().map(significant).max()? < FEWEST_OF_A_LAW;
-        // At smaller steps than these the defects are not above their uncertainty.
+        // Smaller steps help only if the defects at the smallest ones are still above their uncertainty.
         let shrinks = |found: &LoopEvidence| {
             let known = known_data(found);
             known.len() >= FEWEST_OF_A_LAW && clear(&known).first() == known.first()

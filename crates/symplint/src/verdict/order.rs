@@ -189,8 +189,8 @@ fn local_slopes(data: &[Datum]) -> (f64, f64) {
         })
 }
 
-/// The highest exponent of h^k (a + b h + c h²) that fits, and the whole number up to it, if that fits, as the exponent of every
-/// smooth map does.
+/// The highest exponent of h^k (a + b h + c h²) that fits, and the largest whole number not above it. `None` if that number does not
+/// fit; it fits for every smooth map.
 fn highest_exponent(data: &[Datum]) -> Option<(f64, f64)> {
     if data.len() < 4 {
         return None;
@@ -216,8 +216,8 @@ fn whole_law(data: &[Datum]) -> Option<(f64, f64)> {
     (within && uncertainty <= MOST_UNCERTAIN).then_some((whole, uncertainty))
 }
 
-/// The same of h^k (a + b h) if no local slope is k, because the second term is larger at all steps or has the other sign. Three terms,
-/// or fewer points, would fit defects of no order, too.
+/// The exponent of h^k (a + b h) if no local slope equals k: the second term is larger at all steps, or has the other sign. Three terms,
+/// or fewer points, would fit defects without an order, too.
 fn hidden_law(data: &[Datum]) -> Option<(f64, f64)> {
     if data.len() < MOST_POINTS {
         return None;
@@ -226,7 +226,7 @@ fn hidden_law(data: &[Datum]) -> Option<(f64, f64)> {
     let fits = |&k: &f64| misfit(data, k, &[0, 1]) <= 1.0;
     let highest = exponents(whole, highest).rev().find(fits)?;
     let uncertainty = highest - whole;
-    (fits(&whole) && uncertainty <= MOST_UNCERTAIN).then_some((whole, uncertainty))
+    (fits(&whole) && uncertainty <= WHOLE).then_some((whole, uncertainty))
 }
 
 /// The constant e of E = e + h^k (a + b h), if no power of h below k takes its place and two neighbouring local slopes of

@@ -342,7 +342,7 @@ fn a_transfer_matrix_that_was_rounded_is_named_and_all_its_digits_make_it_symple
             (&significant, "significant digits"),
         ] {
             let found = turn(cell().map(|row| row.map(round)));
-            let words = format!("no entry of its matrix has more than {digits} {words}");
+            let words = format!("its matrix has at most {digits} {words}");
             cause(&found, CauseKind::RoundedMatrix, &[&words]);
         }
     }

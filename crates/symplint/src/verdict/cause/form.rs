@@ -117,10 +117,10 @@ impl Clues<'_> {
             DigitsOfMatrix::Significant(k) => format!("{k} significant digits"),
         };
         let text = format!(
-            "The map is linear, and no entry of its matrix has more than {digits}. A symplectic matrix that is rounded to them can have a \
-             defect of this size."
+            "The map is linear, and its matrix has at most {digits}. Rounding a symplectic matrix to them can cause a defect of this size."
         );
-        let remedy = "Give the matrix all its digits, or make it symplectic again before it is applied many times.";
+        let remedy = "Give the matrix all its digits, or make it symplectic again before it is applied many times. If the matrix was \
+                      not rounded, look for friction.";
         Some(Cause::new(CauseKind::RoundedMatrix, text, remedy))
     }
 

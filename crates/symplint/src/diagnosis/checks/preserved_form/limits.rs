@@ -75,7 +75,7 @@ pub(super) const COINCIDENCE_OF_MEAN: f64 = 1.5;
 /// Digits of other numbers in addition to those that their errors support: errors are bounds.
 pub(super) const FURTHER_DIGITS: f64 = 2.0;
 
-/// Digits to which a matrix may be rounded. Conventional: fewer are chosen by people, and more are not told from all of them.
+/// Digits to which a matrix may be rounded. Conventional: people choose numbers with fewer digits, and more digits look like all.
 pub(super) const FEWEST_DIGITS_OF_MATRIX: i32 = 3;
 pub(super) const MOST_DIGITS_OF_MATRIX: i32 = 11;
 

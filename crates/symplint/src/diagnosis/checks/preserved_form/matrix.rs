@@ -5,8 +5,8 @@ use crate::evidence::DigitsOfMatrix;
 use crate::jacobian::TangentImages;
 use crate::state::Coordinates;
 
-/// The digits of all entries of a matrix, if they are few, and if rounding a symplectic matrix to them can make a change of the form as
-/// large as the matrix does. `size` are the units of its columns and rows.
+/// The digits of all entries of a matrix, if they are few, and if rounding a symplectic matrix to these digits can change the form by as
+/// much as this matrix does. `size` are the units of its columns and rows.
 pub(super) fn digits(
     columns: &TangentImages,
     size: &[f64],
@@ -26,16 +26,25 @@ pub(super) fn digits(
     let digits = FEWEST_DIGITS_OF_MATRIX..=MOST_DIGITS_OF_MATRIX;
     let mut candidates =
         digits.flat_map(|k| [DigitsOfMatrix::Decimals(k), DigitsOfMatrix::Significant(k)]);
+    // Small entries next to large ones may be known to fewer digits than they have.
     let is_rounded = |of: &DigitsOfMatrix| {
-        let mut entries = matrix.iter().flatten().zip(errors.iter().flatten());
-        entries.all(|(value, error)| {
+        let (mut entries, mut resolved) = (0, 0);
+        for (value, error) in matrix.iter().flatten().zip(errors.iter().flatten()) {
+            let error = ROUNDED_WITHIN * error + f64::EPSILON * value.abs();
             let unit = last_place(*of, *value);
             let rounded = (value / unit).round() * unit;
-            let error = ROUNDED_WITHIN * error + f64::EPSILON * value.abs();
-            let has_few =
-                (value - rounded).abs() <= error && unit >= 10f64.powf(COINCIDENCE) * error;
-            has_few || value.abs() <= error
-        })
+            if value.abs() <= error {
+                continue;
+            }
+            entries += 1;
+            if unit >= 10f64.powf(COINCIDENCE) * error {
+                resolved += 1;
+                if (value - rounded).abs() > error {
+                    return false;
+                }
+            }
+        }
+        resolved >= 2 && 2 * resolved >= entries
     };
     let explains = |of: &DigitsOfMatrix| {
         let dof = coordinates.dof();
