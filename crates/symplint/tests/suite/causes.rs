@@ -357,7 +357,7 @@ fn entries_of_different_sizes_share_significant_digits() {
         [0.234, 0.0, 0.169, 0.0],
         [0.0, 0.0, 0.0, 1.0],
     ]);
-    let words = "no entry of its matrix has more than 3 significant digits";
+    let words = "its matrix has at most 3 significant digits";
     cause(&found, CauseKind::RoundedMatrix, &[words]);
 }
 
