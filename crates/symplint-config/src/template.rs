@@ -64,17 +64,18 @@ fn sections(system: &SystemInfo) -> [(&'static str, Vec<Key>); 4] {
     ]
 }
 
-/// The full name of a setting for a command: `diagnostic.budget` for `budget`. If several sections have the key, that of the command
-/// comes first, then `[diagnostic]`, and `[system]` comes last, of all systems if `system` is none of them. `integrator` stands for `integrator.name`.
+/// The full name of a setting: `diagnostic.budget` for `budget`, and `integrator.name` for `integrator`. `None` for an unknown key.
+///
+/// If several sections have the key, the section named as the command comes first, then `[diagnostic]`. `[system]` comes last; if no
+/// system is called `system`, the keys of every system count.
 pub fn setting(command: &str, system: &str, key: &str) -> Option<String> {
     if key == "integrator" {
         return Some("integrator.name".into());
     }
-    let named = SYSTEMS.iter().filter(|info| info.name == system);
-    let systems: Vec<&SystemInfo> = match named.clone().next() {
-        Some(_) => named.collect(),
-        None => SYSTEMS.iter().collect(),
-    };
+    let is_known = SYSTEMS.iter().any(|info| info.name == system);
+    let systems = SYSTEMS
+        .iter()
+        .filter(|info| !is_known || info.name == system);
     let mut names = Vec::new();
     for info in systems {
         let of_section = |(section, keys): (&'static str, Vec<Key>)| {

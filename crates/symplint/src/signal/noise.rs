@@ -58,7 +58,8 @@ impl SixthDifferences {
     }
 }
 
-/// States on both sides of the one in the middle of a row, in spacings. They are not equidistant: stairs whose height divides the spacing would
+/// States on both sides of the one in the middle of a row, in spacings. They are not equidistant: stairs whose height divides the
+/// spacing would
 /// look straight.
 pub(crate) const BESIDE: [f64; 12] = [
     -5.81, -5.23, -3.88, -3.17, -1.83, -0.92, 1.13, 2.21, 2.94, 4.27, 4.79, 6.17,

@@ -386,7 +386,8 @@ impl Polynomials {
 }
 
 /// Polynomials of order 12 and 10 differ by a distance, and polynomials of order 8 and 6 by another. Across a jump the ratio of the
-/// first to the second is at least this number. Derived: 0.39 in the cell of the jump, more in the cells next to it; less than 0.1 on smooth loops that are resolved.
+/// first to the second is at least this number. Derived: 0.39 in the cell of the jump, more in the cells next to it; less than 0.1 on
+/// smooth loops that are resolved.
 const STAYS: f64 = 0.35;
 
 /// A jump is at most this many times as large as the polynomials of order 12 and 10 are apart in a cell next to it. Derived: 190.

@@ -71,7 +71,7 @@ pub(super) fn digits(
     candidates.find(|of| is_rounded(of) && explains(of))
 }
 
-/// The largest rounding error of a number that was rounded. A zero is exact, as an entry between motions that are not coupled.
+/// The largest error of a rounded number. Zeros are taken as exact: motions that are not coupled have them.
 fn error(digits: DigitsOfMatrix, rounded: f64) -> f64 {
     let half = 0.5 * last_place(digits, rounded);
     if rounded.abs() < half { 0.0 } else { half }
