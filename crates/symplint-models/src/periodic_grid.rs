@@ -76,16 +76,19 @@ impl PeriodicGrid {
     }
 
     /// Number of cells in a period.
+    #[inline]
     pub fn cells(&self) -> usize {
         self.cells
     }
 
     /// The period.
+    #[inline]
     pub fn length(&self) -> f64 {
         self.length
     }
 
     /// Inverse width of a cell.
+    #[inline]
     pub fn cells_per_length(&self) -> f64 {
         self.cells_per_length
     }

@@ -43,17 +43,17 @@ pub(super) enum Part {
 }
 
 /// One part of a step.
-pub(super) struct BorisPart {
+pub(super) struct BorisPart<const N: usize> {
     gempic: Gempic,
-    coupling: Coupling,
+    coupling: Coupling<N>,
     scheme: Boris1d2v,
     part: Part,
 }
 
-impl BorisPart {
+impl<const N: usize> BorisPart<N> {
     pub(super) fn new(gempic: &Gempic, scheme: Boris1d2v, part: Part) -> Self {
         BorisPart {
-            coupling: Coupling::new(gempic.degree, gempic.grid),
+            coupling: Coupling::new(gempic.grid),
             gempic: gempic.clone(),
             scheme,
             part,
@@ -106,7 +106,7 @@ impl BorisPart {
     }
 
     /// E1 or B at a particle.
-    fn of_edges(&self, place: &Place<'_>, values: &[f64]) -> f64 {
+    fn of_edges(&self, place: &Place<'_, N>, values: &[f64]) -> f64 {
         match self.scheme.gathers_at_nodes {
             true => place.zero().sum(values),
             false => place.one().sum(values),
@@ -160,7 +160,7 @@ impl BorisPart {
     }
 }
 
-impl Substep for BorisPart {
+impl<const N: usize> Substep for BorisPart<N> {
     fn advance(&self, h: f64, state: &mut PhysicalState) -> Result<(), String> {
         match self.part {
             Part::HalfRotation | Part::Rotation => self.rotate(h, state),

@@ -1,30 +1,32 @@
-//! Splines at a particle: what gathers fields and deposits charge, for any degree.
+//! Splines at a particle: what gathers fields and deposits charge.
+//!
+//! `N` is p + 1, the number of functions of V0 on a cell, so that sums over them are unrolled.
 
 use std::fmt;
 
 use symplint_models::PeriodicGrid;
-use symplint_models::bspline::{self, CellWeights};
+use symplint_models::bspline;
 
 /// The splines of V0 and V1 on a grid.
 #[derive(Clone, Debug)]
-pub(super) struct Coupling {
-    degree: usize,
+pub(super) struct Coupling<const N: usize> {
     grid: PeriodicGrid,
 }
 
 /// A place on the grid.
-pub(super) struct Place<'a> {
-    coupling: &'a Coupling,
+pub(super) struct Place<'a, const N: usize> {
+    grid: &'a PeriodicGrid,
     cell: usize,
     fraction: f64,
 }
 
 /// The splines that do not vanish at one place, in sequence round the circle, and their values.
-pub(super) struct Splines {
+pub(super) struct Splines<const N: usize> {
     cells: usize,
     first: usize,
+    /// N, or N − 1 for V1.
     count: usize,
-    values: CellWeights,
+    values: [f64; N],
 }
 
 /// Why the cells on a way cannot be gone through one by one.
@@ -55,14 +57,9 @@ impl fmt::Display for Impassable {
     }
 }
 
-impl Coupling {
-    pub(super) fn new(degree: usize, grid: PeriodicGrid) -> Self {
-        Coupling { degree, grid }
-    }
-
-    /// The degree of the splines of V0.
-    pub(super) fn degree(&self) -> usize {
-        self.degree
+impl<const N: usize> Coupling<N> {
+    pub(super) fn new(grid: PeriodicGrid) -> Self {
+        Coupling { grid }
     }
 
     pub(super) fn cells(&self) -> usize {
@@ -74,10 +71,11 @@ impl Coupling {
         self.grid.cells_per_length()
     }
 
-    pub(super) fn at(&self, x: f64) -> Place<'_> {
+    #[inline]
+    pub(super) fn at(&self, x: f64) -> Place<'_, N> {
         let (cell, fraction) = self.grid.locate(x);
         Place {
-            coupling: self,
+            grid: &self.grid,
             cell,
             fraction,
         }
@@ -128,19 +126,23 @@ impl Coupling {
     }
 }
 
-impl Place<'_> {
+impl<const N: usize> Place<'_, N> {
     /// Λ⁰_j, the splines of V0.
-    pub(super) fn zero(&self) -> Splines {
-        self.splines(self.coupling.degree, 1.0)
+    #[inline]
+    pub(super) fn zero(&self) -> Splines<N> {
+        self.splines(N, 1.0)
     }
 
     /// Λ¹_j, the splines of V1.
-    pub(super) fn one(&self) -> Splines {
-        self.splines(self.coupling.degree - 1, self.coupling.per_length())
+    #[inline]
+    pub(super) fn one(&self) -> Splines<N> {
+        self.splines(N - 1, self.grid.cells_per_length())
     }
 
-    fn splines(&self, degree: usize, scale: f64) -> Splines {
-        let cells = self.coupling.cells();
+    #[inline]
+    fn splines(&self, count: usize, scale: f64) -> Splines<N> {
+        let (cells, degree) = (self.grid.cells(), count - 1);
+        let values = bspline::weights(degree, self.fraction);
         Splines {
             cells,
             // The spline that starts in this cell is the last of those that do not vanish.
@@ -148,29 +150,33 @@ impl Place<'_> {
                 Some(first) => first,
                 None => (self.cell + cells * degree - degree) % cells,
             },
-            count: degree + 1,
-            values: bspline::weights(degree, self.fraction).map(|value| scale * value),
+            count,
+            values: std::array::from_fn(|j| scale * values[j]),
         }
     }
 }
 
-impl Splines {
+impl<const N: usize> Splines<N> {
     /// The function with these coefficients.
+    #[inline]
     pub(super) fn sum(&self, coefficients: &[f64]) -> f64 {
-        let mut j = self.first;
         let mut sum = 0.0;
-        for value in &self.values[..self.count] {
-            sum += value * coefficients[j];
-            j = if j + 1 == self.cells { 0 } else { j + 1 };
-        }
+        self.each(|j, value| sum += value * coefficients[j]);
         sum
     }
 
     /// Adds `charge` times its spline to every sum.
+    #[inline]
     pub(super) fn deposit(&self, charge: f64, sums: &mut [f64]) {
+        self.each(|j, value| sums[j] += charge * value);
+    }
+
+    /// Calls `each` with the number of every spline and its value.
+    #[inline]
+    fn each(&self, mut each: impl FnMut(usize, f64)) {
         let mut j = self.first;
         for value in &self.values[..self.count] {
-            sums[j] += charge * value;
+            each(j, *value);
             j = if j + 1 == self.cells { 0 } else { j + 1 };
         }
     }

@@ -19,9 +19,9 @@ enum Push {
 
 /// z' = z + h J ∇H(z̄) with z̄ the mean of z and z', and the bracket J taken on the orbit. H is quadratic in velocities
 /// and fields and does not depend on positions, so that it is conserved.
-pub(super) struct MeanFieldStep {
+pub(super) struct MeanFieldStep<const N: usize> {
     gempic: Gempic,
-    coupling: Coupling,
+    coupling: Coupling<N>,
     push: Push,
     stop: Stop,
 }
@@ -36,7 +36,7 @@ struct Pushed {
     current2: Vec<f64>,
 }
 
-impl MeanFieldStep {
+impl<const N: usize> MeanFieldStep<N> {
     /// Crank–Nicolson, particles and fields together.
     pub(super) fn crank_nicolson(gempic: &Gempic, orbit: Orbit, stop: Stop) -> Self {
         Self::new(gempic, Push::Moving(orbit), stop)
@@ -49,7 +49,7 @@ impl MeanFieldStep {
 
     fn new(gempic: &Gempic, push: Push, stop: Stop) -> Self {
         MeanFieldStep {
-            coupling: Coupling::new(gempic.degree, gempic.grid),
+            coupling: Coupling::new(gempic.grid),
             gempic: gempic.clone(),
             push,
             stop,
@@ -142,7 +142,7 @@ impl MeanFieldStep {
             Unsolved::Impassable(impassable) => return format!("particle {particle} {impassable}"),
             Unsolved::NotConverged(iterations) => iterations,
         };
-        let smoother = match self.coupling.degree() {
+        let smoother = match self.gempic.degree {
             1 => ", or a degree of 2 or more, whose fields are continuous",
             _ => "",
         };
@@ -238,7 +238,7 @@ impl MeanFieldStep {
     }
 }
 
-impl Substep for MeanFieldStep {
+impl<const N: usize> Substep for MeanFieldStep<N> {
     fn advance(&self, h: f64, state: &mut PhysicalState) -> Result<(), String> {
         let (pushed, [e1, e2]) = self.solve(h, state)?;
         for (a, (place, v)) in pushed.positions.iter().zip(&pushed.velocities).enumerate() {

@@ -34,6 +34,20 @@ trait Substep: Send + Sync {
     fn advance(&self, h: f64, state: &mut PhysicalState) -> Result<(), String>;
 }
 
+/// A substep whose sums over splines are unrolled for the degree of the plasma.
+macro_rules! of_degree {
+    ($substep:ident::$new:ident($gempic:expr $(, $argument:expr)*)) => {{
+        let substep: Arc<dyn Substep> = match $gempic.degree {
+            1 => Arc::new($substep::<2>::$new($gempic $(, $argument)*)),
+            2 => Arc::new($substep::<3>::$new($gempic $(, $argument)*)),
+            3 => Arc::new($substep::<4>::$new($gempic $(, $argument)*)),
+            4 => Arc::new($substep::<5>::$new($gempic $(, $argument)*)),
+            _ => Arc::new($substep::<6>::$new($gempic $(, $argument)*)),
+        };
+        substep
+    }};
+}
+
 /// One step of a scheme for a [`Gempic`], in its canonical variables.
 #[derive(Clone)]
 pub struct PlasmaStep {
@@ -58,10 +72,10 @@ impl PlasmaStep {
         solver: StageSolver,
     ) -> Result<Self, ModelError> {
         check("crank-nicolson", solver)?;
-        let step = MeanFieldStep::crank_nicolson(&gempic, orbit, solver.stop);
+        let step = of_degree!(MeanFieldStep::crank_nicolson(&gempic, orbit, solver.stop));
         Ok(PlasmaStep {
             gempic,
-            substeps: vec![("Crank–Nicolson step", Arc::new(step))],
+            substeps: vec![("Crank–Nicolson step", step)],
         })
     }
 
@@ -75,12 +89,12 @@ impl PlasmaStep {
     pub fn ecsim(gempic: Gempic, solver: StageSolver) -> Result<Self, ModelError> {
         check("ecsim", solver)?;
         let drift: Arc<dyn Substep> = Arc::new(HalfDrift);
-        let held = MeanFieldStep::held(&gempic, solver.stop);
+        let held = of_degree!(MeanFieldStep::held(&gempic, solver.stop));
         Ok(PlasmaStep {
             gempic,
             substeps: vec![
                 ("drift of 0.5 h", Arc::clone(&drift)),
-                ("implicit velocities and fields", Arc::new(held)),
+                ("implicit velocities and fields", held),
                 ("drift of 0.5 h", drift),
             ],
         })
@@ -89,8 +103,7 @@ impl PlasmaStep {
     /// The push of Boris and leapfrog fields, as most codes have them (C. K. Birdsall & A. B. Langdon, Plasma Physics via
     /// Computer Simulation, chapter 15). Order 2 where velocities and positions are at the same time, and not symplectic.
     pub fn boris(gempic: Gempic, scheme: Boris1d2v) -> Self {
-        let part =
-            |part: Part| -> Arc<dyn Substep> { Arc::new(BorisPart::new(&gempic, scheme, part)) };
+        let part = |part: Part| of_degree!(BorisPart::new(&gempic, scheme, part));
         let half_rotation = ("rotation of 0.5 h", part(Part::HalfRotation));
         let kick = (
             "kick and Faraday's law for 0.5 h",

@@ -38,8 +38,8 @@ pub(super) struct Felt {
 ///
 /// A way is integrated piece by piece between nodes, where splines of degree up to 5 are polynomials: three points of
 /// Gauss are exact.
-pub(super) fn along(
-    coupling: &Coupling,
+pub(super) fn along<const N: usize>(
+    coupling: &Coupling<N>,
     is_averaged: bool,
     x: f64,
     way: f64,
@@ -62,8 +62,8 @@ pub(super) fn along(
 }
 
 /// The fields on a straight way.
-pub(super) fn felt(
-    coupling: &Coupling,
+pub(super) fn felt<const N: usize>(
+    coupling: &Coupling<N>,
     is_averaged: bool,
     fields: &MeanFields<'_>,
     x: f64,
@@ -98,8 +98,8 @@ pub(super) enum Unsolved {
 
 /// The mean velocity of a particle that moves by h v̄1 meanwhile, to round-off. The iteration begins at `guess`;
 /// `half_charge` is h q/2m.
-pub(super) fn solve_orbit(
-    coupling: &Coupling,
+pub(super) fn solve_orbit<const N: usize>(
+    coupling: &Coupling<N>,
     is_averaged: bool,
     fields: &MeanFields<'_>,
     (x, v, guess): (f64, [f64; 2], [f64; 2]),
