@@ -117,7 +117,7 @@ fn growth_rate(
 fn weibel() {
     for scheme in [GEOMETRIC, BORIS_YEE] {
         let initial = (InitialPlasma::Weibel, 1e-5);
-        let rate = growth_rate(scheme, initial, 0.1, [140.0, 220.0]);
+        let rate = growth_rate(scheme, initial, 0.14, [140.0, 220.0]);
         println!("Weibel, {}: {rate:.5} for 0.02784", scheme.integrator);
         assert!((rate / 0.027_837_1 - 1.0).abs() < 0.03, "{rate}");
     }

@@ -131,7 +131,7 @@ pub fn more_particles() -> Vec<Case> {
         ..config(ShapeFamily::BSpline, degree)
     };
     let mut cases = Vec::new();
-    for particles in [8, 32] {
+    for particles in [8, 16] {
         let config = many(3, particles);
         cases.push(case::<1>(&config, "strang", symplectic_to(8.0), SMOOTH).steps(-1, -3));
         cases.push(case::<1>(&config, "rk2", NOT_SYMPLECTIC, RK2).steps(-1, -3));
