@@ -28,6 +28,7 @@ from ._mass_matrix import EnergyOfVelocities, MassMatrix, StepOfVelocities
 from ._progress import bar
 from ._report import Report, States
 from ._names import Coordinates, WithArguments, WithoutStepSize, executor_of, one_of, seed_of
+from ._shape import Shaped, axes, broadcast, of_any_shape
 from ._signature import check_signature, hint
 from ._workers import Workers
 from .adapters import AdaptedStep
@@ -104,15 +105,17 @@ def check(
     Parameters
     ----------
     step : callable
-        ``step(q, p, h)`` gets two arrays of shape (samples, dof). It returns two new arrays, or changes them in place and returns None.
-        Each row is one state. The new state of a row must depend on this row and h only. The arrays are in Fortran order and have 1,
+        ``step(q, p, h)`` gets two arrays of shape (samples, dof), or (samples, *q0.shape) if `q0` has several axes. It returns two new
+        arrays, or changes them in place and returns None. Each row is one state. The new state of a row must depend on this row and h
+        only. The arrays are in Fortran order and have 1,
         4, 16, 64, 256 or 1024 rows, so that JAX compiles few versions. Rows that fill a batch are copies of the last row, and do not
         count as evaluations. The step may keep the arrays. Results may be arrays of any order and library, including torch and JAX.
         Integrators of `symplint.integrators` run without Python, and so do systems of `symplint.systems` with their default
         integrator. A step of `symplint.adapters` supplies its own centre, weights and step sizes.
     q0, p0 : array_like
-        Centre of the loops: one number for each degree of freedom. Not needed for an integrator of the library, for a step of
-        `symplint.adapters`, or with a `loop` of the library.
+        Centre of the loops: one number for each degree of freedom, in arrays of any shape, such as (atoms, 3). The report numbers them
+        as ``q0.ravel()`` does. Not needed for an integrator of the library, for a step of `symplint.adapters`, or with a `loop` of the
+        library.
     substeps : list of (str, callable), optional
         The parts of the step with their names, instead of `step`. The first part is applied first: see `compose`. If the whole step
         has a defect, symplint sends one loop through all parts, and names the parts that cause the defect.
@@ -177,7 +180,7 @@ def check(
         shape (samples, dof, dof). A constant matrix may be passed as an array. `p0` and the second argument of `energy` are then
         velocities. Loops lie in q and M(q) v, and `radius` and `loop` describe these momenta.
     per_sample : bool
-        Whether `step`, `project`, `form` and `casimir` take and return one state: arrays of shape (dof,).
+        Whether `step`, `project`, `form` and `casimir` take and return one state: arrays of shape (dof,), or of the shape of `q0`.
     make : bool
         Whether `step` is a factory: ``step(h)`` returns ``advance(q, p)``. It is called once for each h.
     reset : callable, optional
@@ -197,7 +200,8 @@ def check(
         small.
     reversal : array_like or callable, optional
         Time reversal: signs 1 or -1 of all positions, then of all momenta. By default, the momenta change their signs. A function
-        ``reversal(q, p)`` returns the reversed q and p, and must be its own inverse.
+        ``reversal(q, p)`` returns the reversed q and p, and must be its own inverse. With `form`, it is ``reversal(z)``, and with
+        `mass_matrix` ``reversal(q, v)``.
     symmetric : bool
         Whether symplint tests that a step of size -h undoes a step of size h. This takes 20 evaluations, and calls `step` with negative h.
     energy : callable, optional
@@ -391,14 +395,45 @@ def _check(
         if not callable(step) or isinstance(step, Integrator | Composition | AdaptedStep):
             raise InputError("args are for a function; give it, or leave args out")
         step = WithArguments(step, args)
+    stated: dict[str, Any] = {"args": repr(args)} if args else {}
+    has_step_size = not (isinstance(step_sizes, str) and step_sizes == "none")
+    is_given = callable(step) and not isinstance(step, Integrator | AdaptedStep)
+    if is_given and form is None and mass_matrix is None and axes(q0) > 1:
+        q0, p0 = of_any_shape(q0, "q0"), of_any_shape(p0, "p0")
+        if q0.shape != p0.shape:
+            raise InputError(f"q0 has the shape {q0.shape} and p0 {p0.shape}; give one of both for each degree of freedom")
+        shape = stated["shape"] = q0.shape
+
+        def of_rows(function: Any, per_sample: bool = per_sample, **arguments: Any) -> Any:
+            return Shaped(function, shape, per_sample, **arguments) if callable(function) else function
+
+        if isinstance(step, Composition):
+            step = compose(*((part, of_rows(function)) for part, function in step.parts))
+        else:
+            step = of_rows(step, make=make)
+        project, energy, reversal = of_rows(project), of_rows(energy), of_rows(reversal)
+        jvp = of_rows(jvp, states=(0, 1, 3, 4) if has_step_size else (0, 1, 2, 3))
+        if not isinstance(loop, Loop):
+            loop = of_rows(loop, per_sample=False, states=())
+        if isinstance(radius, tuple) and len(radius) == 2:
+            radius = tuple(broadcast(of, "radius", shape) for of in radius)
+        elif not isinstance(radius, str | int | float):
+            radius = broadcast(radius, "radius", shape)
+        period, momentum_period, weight = (
+            None if value is None else broadcast(value, what, shape)
+            for what, value in (("period", period), ("momentum_period", momentum_period), ("weight", weight))
+        )
+        q0, p0 = q0.ravel(), p0.ravel()
     if mass_matrix is not None:
         others = {"form": form, "weight": weight, "project": project, "momentum_period": momentum_period, "jvp": jvp, "dtype": dtype}
-        step, p0, energy = _of_velocities(mass_matrix, step, q0, p0, energy, make, others)
+        step, p0, energy, reversal = _of_velocities(mass_matrix, step, q0, p0, energy, reversal, make, others)
     if form is not None:
         step, q0, p0, radius, loop, project = _of_form(
             form, step, q0, p0, radius=radius, phases=phases, loop=loop, project=project, casimir=casimir,
             momentum_period=momentum_period, weight=weight, per_sample=per_sample, make=make,
         )  # fmt: skip
+        if callable(reversal):
+            reversal = MapOfForm(reversal, form, make=False)
     if isinstance(step_sizes, str):
         step = _without_step_size(step)
     subject = _subject(
@@ -414,10 +449,9 @@ def _check(
             raise InputError("energy is given, and properties is False; leave one of them out")
         subject["energy"] = EnergyOfRows(energy, form is not None)
     if callable(reversal):
-        if compiled or form is not None or mass_matrix is not None:
-            raise InputError("reversal as a function is for a step(q, p, h) in canonical coordinates; give signs, or leave it out")
+        if compiled:
+            raise InputError("reversal as a function is for a step that is a function; give signs, or leave it out")
         subject["reversal"] = reversal
-    has_step_size = not (isinstance(step_sizes, str) and step_sizes == "none")
     if isinstance(jacobian, str) and jacobian != "auto":
         raise InputError(f'jacobian is "{jacobian}"; give True, False or "auto"')
     others = {"an integrator of the library": compiled, "make": make, "form": form, "project": project}
@@ -453,7 +487,6 @@ def _check(
         "steps": steps,
     } | further
     settings = {setting: value for setting, value in settings.items() if value is not None}
-    stated = {"args": repr(args)} if args else {}
     if mass_matrix is not None and not callable(mass_matrix):
         stated["mass_matrix"] = hashlib.sha256(np.asarray(mass_matrix, dtype=np.float64).tobytes()).hexdigest()[:16]
     config = _config(name, subject, settings | stated, loop)
@@ -739,9 +772,9 @@ def _parts(step: Any, make: bool) -> list[tuple[str, Callable[..., Any]]]:
 
 
 def _of_velocities(
-    mass_matrix: Any, step: Any, q0: Any, v0: Any, energy: Any, make: bool, others: dict[str, Any]
-) -> tuple[Any, Any, Any]:
-    """What is tested if a mass matrix is given: step, p0 and energy in the canonical momenta."""
+    mass_matrix: Any, step: Any, q0: Any, v0: Any, energy: Any, reversal: Any, make: bool, others: dict[str, Any]
+) -> tuple[Any, ...]:
+    """What is tested if a mass matrix is given: step, p0, energy and reversal in the canonical momenta."""
     if refused := [name for name, value in others.items() if value is not None]:
         raise InputError(f"{refused[0]} is for steps in q and p; with mass_matrix, p is M(q) v, and {refused[0]} has no meaning")
     if not callable(step) or isinstance(step, Integrator | AdaptedStep):
@@ -754,7 +787,9 @@ def _of_velocities(
         step = compose(*((name, StepOfVelocities(part, matrix)) for name, part in step.parts))
     else:
         step = StepOfVelocities(step, matrix, make)
-    return step, matrix.momenta(q0, v0), EnergyOfVelocities(energy, matrix) if callable(energy) else energy
+    energy = EnergyOfVelocities(energy, matrix) if callable(energy) else energy
+    reversal = StepOfVelocities(reversal, matrix) if callable(reversal) else reversal
+    return step, matrix.momenta(q0, v0), energy, reversal
 
 
 def _of_form(

@@ -14,6 +14,7 @@ import numpy as np
 from ._arrays import numbers
 from ._errors import InputError
 from ._names import WithArguments, WithoutStepSize
+from ._shape import Shaped
 from .adapters import AdaptedStep
 
 __all__ = ["Tangents", "derivatives_of_jax", "given", "traced"]
@@ -71,7 +72,7 @@ def _is_compiled(step: Any) -> bool:
     """Whether ``jax.jit`` made the function, below what this package and functools put around it."""
     if isinstance(step, functools.partial):
         return _is_compiled(step.func)
-    if isinstance(step, WithArguments | WithoutStepSize | AdaptedStep):
+    if isinstance(step, WithArguments | WithoutStepSize | Shaped | AdaptedStep):
         return _is_compiled(step.step)
     return hasattr(step, "lower") and hasattr(step, "eval_shape")
 

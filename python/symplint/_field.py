@@ -19,6 +19,7 @@ from ._check import _absolute, _config, _is_single, _journal, _resumable
 from ._errors import InputError, StepError
 from ._identity import identity
 from ._names import executor_of, one_of, seed_of
+from ._shape import broadcast, of_any_shape, shaped
 from ._workers import Workers
 
 __all__ = ["Curl", "FieldReport", "WorstPair", "check_field", "check_force"]
@@ -279,13 +280,13 @@ def check_force(
     ('q[0]', 'q[1]', '2e-09')
     """
     __tracebackhide__ = True
-    centre = _numbers(q0, "q0")
+    centre = of_any_shape(q0, "q0")
     step = _Force(force, args, centre.shape, per_sample)
     if not callable(force):
         raise InputError(f"force is an object of type {type(force).__name__}; give a function force(q)")
-    sizes = None if _is_auto(radius) else _like(radius, "radius", centre.shape)
+    sizes = None if _is_auto(radius) else broadcast(radius, "radius", centre.shape)
     return _run(
-        step, centre.ravel(), None, radius=sizes, period=None if period is None else _like(period, "period", centre.shape), weight=None,
+        step, centre.ravel(), None, radius=sizes, period=None if period is None else broadcast(period, "period", centre.shape), weight=None,
         loops=loops, budget=one_of("budget", budget, "maxfev", maxfev, None), per_sample=per_sample, dtype=dtype,
         rng=one_of("rng", rng, "seed", seed, None), workers=one_of("workers", workers, "executor", executor, 1), threads=threads,
         run_dir=one_of("run_dir", run_dir, "out", out, None), key=key,
@@ -361,7 +362,7 @@ def check_field(
     ('not-hamiltonian', 0.1)
     """
     __tracebackhide__ = True
-    of_q, of_p = _numbers(q0, "q0"), _numbers(p0, "p0")
+    of_q, of_p = of_any_shape(q0, "q0"), of_any_shape(p0, "p0")
     if of_q.shape != of_p.shape:
         raise InputError(f"q0 has the shape {of_q.shape} and p0 {of_p.shape}; give one of both for each degree of freedom")
     if not callable(field):
@@ -370,10 +371,10 @@ def check_field(
     sizes = None
     if not _is_auto(radius):
         pair = radius if isinstance(radius, tuple) and len(radius) == 2 else (radius, radius)
-        sizes = np.concatenate([_like(of, "radius", of_q.shape) for of in pair])
+        sizes = np.concatenate([broadcast(of, "radius", of_q.shape) for of in pair])
     return _run(
-        step, of_q.ravel(), of_p.ravel(), radius=sizes, period=None if period is None else _like(period, "period", of_q.shape),
-        weight=None if weight is None else _like(weight, "weight", of_q.shape), loops=loops,
+        step, of_q.ravel(), of_p.ravel(), radius=sizes, period=None if period is None else broadcast(period, "period", of_q.shape),
+        weight=None if weight is None else broadcast(weight, "weight", of_q.shape), loops=loops,
         budget=one_of("budget", budget, "maxfev", maxfev, None), per_sample=per_sample, dtype=dtype,
         rng=one_of("rng", rng, "seed", seed, None), workers=one_of("workers", workers, "executor", executor, 1), threads=threads,
         run_dir=one_of("run_dir", run_dir, "out", out, None), key=key,
@@ -398,9 +399,7 @@ class _Force:
 
     def states(self, rows: Any) -> Any:
         """States as the function takes them."""
-        if len(self.shape) <= 1:
-            return rows
-        return rows.reshape(self.shape if self.per_sample else (len(rows), *self.shape))
+        return rows if len(self.shape) <= 1 else shaped(rows, self.shape, self.per_sample)
 
     def rates(self, found: Any, rows: Any, name: str) -> Array:
         """What the function returned, as rows."""
@@ -426,32 +425,12 @@ class _Field(_Force):
         return tuple(self.rates(rates, q, f"field(q, p)[{of}]") for of, rates in enumerate(found))
 
 
-def _numbers(value: Any, name: str) -> Array:
-    """Numbers of any shape; a single one makes a row."""
-    try:
-        array = numbers(value, name)
-    except (TypeError, ValueError) as error:
-        raise InputError(str(error)) from None
-    if array.size == 0:
-        raise InputError(f"{name} is empty; give one number for each degree of freedom")
-    return np.atleast_1d(array)
-
-
 def _is_auto(radius: Any) -> bool:
     if isinstance(radius, str):
         if radius != "auto":
             raise InputError(f'radius is "{radius}"; give a number, or "auto"')
         return True
     return False
-
-
-def _like(value: Any, name: str, shape: tuple[int, ...]) -> Array:
-    """One number for each coordinate: a number for all of them, or an array that can be broadcast."""
-    array = _numbers(value, name)
-    try:
-        return np.broadcast_to(array, shape).ravel()
-    except ValueError:
-        raise InputError(f"{name} has the shape {array.shape} and q0 {shape}; give one number for each, or a single number") from None
 
 
 def _run(

@@ -124,7 +124,7 @@ MISTAKES = {
     "nothing": (None, ONE, {}, ["step is missing", "substeps"]),
     "no centre": (good, (None, None), {}, ["q0 and p0 are missing"]),
     "centres of two lengths": (good, ([1, 2], [1]), {}, ["q0 has 2 values and p0 has 1"]),
-    "a centre of two dimensions": (good, (np.ones((3, 2)), np.ones((3, 2))), {}, ["shape (3, 2)", "one number for each degree"]),
+    "centres of two shapes": (good, (np.ones((3, 2)), np.ones(6)), {}, ["q0 has the shape (3, 2) and p0 (6,)", "one of both"]),
     "a step size of zero": (good, ONE, {"step_sizes": [0.0]}, ["step_sizes[0] is 0", "other than 0"]),
     "a step size as a text": (good, ONE, {"step_sizes": "0.5"}, ['step_sizes is "0.5"', '"none"']),
     "no radius": (good, ONE, {"radius": 0.0}, ["radius is 0.0", '"auto"']),

@@ -334,5 +334,29 @@ def test_a_reversal_is_signs_or_a_function():
         symplint.check(in_a_field, **arguments, reversal=lambda q, p: (q + 1.0, p))
     with pytest.raises(ZeroDivisionError):
         symplint.check(in_a_field, **arguments, reversal=lambda q, p: 1 / 0)
-    with pytest.raises(symplint.InputError, match="canonical coordinates"):
-        symplint.check(in_a_field, **arguments, mass_matrix=np.eye(2), reversal=reflected)
+    velocities = symplint.check(in_a_field, **arguments, mass_matrix=np.eye(2), reversal=reflected)
+    assert velocities.properties["reversible"].holds
+    with pytest.raises(symplint.InputError, match="a step that is a function"):
+        symplint.check(symplint.systems.pendulum(), reversal=reflected)
+
+
+@pytest.mark.parametrize("sequence", [(0, 1, 2, 1, 0), (0, 1, 2)])
+def test_a_reversal_of_other_coordinates(sequence):
+    """Splittings of a rigid body on the sphere of angular momentum: z → −z reverses the symmetric one."""
+
+    def body(z, h):
+        for axis in sequence:
+            x, y = (axis + 1) % 3, (axis + 2) % 3
+            angle = h * z[:, axis] / (sequence.count(axis) * (axis + 1.0))
+            cos, sin = np.cos(angle), np.sin(angle)
+            z[:, x], z[:, y] = cos * z[:, x] + sin * z[:, y], cos * z[:, y] - sin * z[:, x]
+
+    def form(z):
+        x, y, w = z.T
+        return np.column_stack([-y * w, x * w, 0.0 * w]) / (x**2 + y**2)[:, None]
+
+    report = symplint.check(
+        body, [0.5, 0.6, 0.7], radius=0.1, form=form, casimir=lambda z: np.sum(z**2, axis=1), reversal=lambda z: -z
+    )
+    assert report.kind == "symplectic"
+    assert report.properties["reversible"].holds == (len(sequence) == 5)
