@@ -3,7 +3,6 @@
 use std::fmt::Write;
 
 use serde::Serialize;
-use symplint::verdict::plain_numbers;
 
 /// Whether a claim holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -120,7 +119,7 @@ impl Claim {
             origin: Origin::Paper,
             place,
             says: says.into(),
-            measured: plain_numbers(&measured.into()),
+            measured: measured.into(),
             judgement,
         }
     }

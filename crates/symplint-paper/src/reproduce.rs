@@ -1,6 +1,7 @@
 //! Running items in parallel, and the tables of their claims.
 
 use rayon::prelude::*;
+use symplint::verdict::plain_numbers;
 use symplint_report::provenance::Run;
 use symplint_report::run_folder::RunFolder;
 
@@ -35,7 +36,10 @@ pub fn reproduce(
     let claims: Vec<Vec<Claim>> = (items.par_iter())
         .map(|(item, settings)| {
             progress(Progress::Started(item.id));
-            let claims = (item.run)(settings, folder)?;
+            let mut claims = (item.run)(settings, folder)?;
+            for claim in &mut claims {
+                claim.measured = plain_numbers(&claim.measured);
+            }
             progress(Progress::Finished(item.id));
             Ok(claims)
         })

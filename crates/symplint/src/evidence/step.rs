@@ -108,7 +108,7 @@ impl Closing {
     /// Whether the closed integral changes, however the breaks are closed: what other curves than straight segments could
     /// make is a part of its uncertainty then.
     pub fn is_changed(&self) -> bool {
-        // A step that is one whole may bend what closes a break.
+        // Of a step without substeps, the curve that closes a break is not known.
         !self.straight
             && self.closed.magnitude() > SIGNIFICANT * (self.closed.uncertainty() + self.bend)
     }

@@ -88,8 +88,8 @@ impl Clues<'_> {
             Cause::new(
                 CauseKind::SolverTolerance,
                 format!(
-                    "At {flickering} of {breaks} breaks, all loops and steps together, rounding decides on which side of the jump a \
-                     state is: a solver inside the map stops at a tolerance."
+                    "At {flickering} of {breaks} breaks (all loops and steps), rounding errors decide which side of the jump a \
+                     neighbouring state gets: a solver inside the map stops at a tolerance."
                 ),
                 format!(
                     "Tighten the tolerance of the solver until the jumps are gone, or compare results to no better than the largest \

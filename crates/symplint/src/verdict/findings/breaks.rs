@@ -83,7 +83,7 @@ impl Display for BreakFinding {
                 };
                 write!(
                     f,
-                    "The map is discontinuous, as far as double precision can tell: {} at s = {:.6}.{closed}",
+                    "The map is discontinuous in double precision: {} at s = {:.6}.{closed}",
                     jumping(jump.dof, jump.jump_q, jump.jump_p),
                     jump.s
                 )
@@ -135,7 +135,7 @@ impl Display for BreakFinding {
                     (true, _) => write!(
                         f,
                         "With its breaks closed{by_chords} the integral of {name} differs by {change} {step}. This does \
-                         not count: a step may bend what closes a break."
+                         not count: without substeps, the curve that closes a break is not known."
                     ),
                 }
             }

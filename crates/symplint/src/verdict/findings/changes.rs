@@ -190,7 +190,7 @@ impl Display for ChangeFinding {
 /// The sentence about the slope of defects against h.
 fn slope(fit: &Fit, between_breaks: bool) -> String {
     let what = match between_breaks {
-        true => "what is left between the breaks".to_owned(),
+        true => "the integral between the breaks".to_owned(),
         false => loop_name(fit.loop_index),
     };
     let constant = fit.constant.map_or(String::new(), |constant| {

@@ -160,8 +160,8 @@ fn fmt_sectors(f: &mut Formatter<'_>, sectors: &[Sector], step: &Step) -> Result
     } else {
         write!(
             f,
-            "The defect {step} is spread over the disc within the loop: of {count} sectors none makes more than \
-             {percent}% of the sum of all absolute changes."
+            "The defect {step} is spread over the disc within the loop: the largest of {count} sectors has {percent}% of the \
+             sum of all absolute changes."
         )
     }
 }

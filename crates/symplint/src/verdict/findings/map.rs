@@ -79,10 +79,10 @@ impl Display for MapFinding {
             ),
             MapFinding::Regularity { exponent, step } => write!(
                 f,
-                "{} the Fourier coefficients of your loop decay as for a function in H^{exponent:.1}: \
-                 {}, or on slopes that the samples do not resolve.",
+                "{} your advanced loop is in H^{exponent:.1}, by the decay of its Fourier coefficients: it has {}, or slopes that \
+                 the samples do not resolve.",
                 capitalised(&step.to_string()),
-                roughness(*exponent).unwrap_or("as of a smooth function")
+                roughness(*exponent).unwrap_or("no derivative that jumps")
             ),
             MapFinding::LittleMotion { motion, group } => little_motion(f, motion, *group),
             MapFinding::Moves {
@@ -140,9 +140,9 @@ fn fmt_precision(f: &mut Formatter<'_>, precision: &OutputPrecision) -> Result {
 /// The meaning of a Sobolev exponent for a loop that is not smooth.
 pub(in crate::verdict) fn roughness(exponent: f64) -> Option<&'static str> {
     match exponent {
-        0.25..1.0 => Some("as at jumps"),
-        1.0..2.0 => Some("as at kinks"),
-        2.0..4.5 => Some("as where a higher derivative jumps"),
+        0.25..1.0 => Some("jumps"),
+        1.0..2.0 => Some("kinks"),
+        2.0..4.5 => Some("higher derivatives that jump"),
         _ => None,
     }
 }
