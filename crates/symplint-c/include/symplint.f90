@@ -261,6 +261,12 @@ module symplint
             type(c_ptr) :: text
         end function
 
+        function symplint_report_text(report) bind(c) result(text)
+            import
+            type(c_ptr), value :: report
+            type(c_ptr) :: text
+        end function
+
         function symplint_report_json(report) bind(c) result(text)
             import
             type(c_ptr), value :: report

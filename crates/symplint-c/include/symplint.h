@@ -604,6 +604,15 @@ double symplint_report_order(const SymplintReport *report);
 const char *symplint_report_summary(const SymplintReport *report);
 
 /**
+ * The verdict with its table, its findings and what to do next, as the program prints them, in UTF-8; NULL if `report` is NULL. Valid until
+ * the report is freed.
+ *
+ * # Safety
+ * `report` is NULL or was not freed.
+ */
+const char *symplint_report_text(const SymplintReport *report);
+
+/**
  * The whole report as JSON, schema symplint/report/3; NULL if `report` is NULL. Valid until the report is freed.
  *
  * # Safety

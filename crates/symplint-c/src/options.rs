@@ -201,6 +201,11 @@ pub struct Settings {
 }
 
 impl Settings {
+    /// Degrees of freedom.
+    pub fn dof(&self) -> usize {
+        self.q0.len()
+    }
+
     /// Reads options, or takes the defaults if there are no options.
     ///
     /// # Safety

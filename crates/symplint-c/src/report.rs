@@ -5,6 +5,7 @@ use std::ffi::{CString, c_char};
 use symplint::{Diagnosis, VerdictKind};
 use symplint_report::provenance::Provenance;
 use symplint_report::report::Report;
+use symplint_report::text::{Shown, diagnosis_text};
 
 use crate::options::Settings;
 use crate::status::text_of;
@@ -15,6 +16,7 @@ pub struct SymplintReport {
     digits: f64,
     order: f64,
     summary: CString,
+    text: CString,
     json: CString,
 }
 
@@ -34,10 +36,20 @@ pub enum SymplintVerdict {
     Undecided = 3,
 }
 
+/// One screen.
+const SHOWN: Shown = Shown {
+    width: Some(100),
+    all: false,
+};
+
 impl SymplintReport {
     /// The report on some settings.
     pub fn new(settings: &Settings, diagnosis: &Diagnosis, provenance: Provenance) -> Self {
         let verdict = &diagnosis.verdict;
+        let title = match settings.dof() {
+            1 => "1 degree of freedom".to_owned(),
+            dof => format!("{dof} degrees of freedom"),
+        };
         SymplintReport {
             verdict: match verdict.kind {
                 VerdictKind::Symplectic => SymplintVerdict::Symplectic,
@@ -48,6 +60,11 @@ impl SymplintReport {
             digits: verdict.digits.unwrap_or(f64::NAN),
             order: verdict.order.unwrap_or(f64::NAN),
             summary: text_of(&verdict.to_string()),
+            text: text_of(&format!(
+                "{}\n{}",
+                verdict.headline(),
+                diagnosis_text(&title, diagnosis, SHOWN)
+            )),
             json: text_of(&Report::new(settings, diagnosis, provenance).to_json()),
         }
     }
@@ -104,6 +121,17 @@ pub unsafe extern "C" fn symplint_report_order(report: *const SymplintReport) ->
 pub unsafe extern "C" fn symplint_report_summary(report: *const SymplintReport) -> *const c_char {
     // SAFETY: what the caller of this function promises.
     unsafe { of(report, std::ptr::null(), |report| report.summary.as_ptr()) }
+}
+
+/// The verdict with its table, its findings and what to do next, as the program prints them, in UTF-8; NULL if `report` is NULL. Valid until
+/// the report is freed.
+///
+/// # Safety
+/// `report` is NULL or was not freed.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn symplint_report_text(report: *const SymplintReport) -> *const c_char {
+    // SAFETY: what the caller of this function promises.
+    unsafe { of(report, std::ptr::null(), |report| report.text.as_ptr()) }
 }
 
 /// The whole report as JSON, schema symplint/report/3; NULL if `report` is NULL. Valid until the report is freed.

@@ -58,7 +58,7 @@ impl Failure {
 impl From<symplint::Error> for Failure {
     fn from(error: symplint::Error) -> Self {
         use symplint::Error;
-        use symplint::error::LOOK_AT_MAP;
+        use symplint::error::{Dependence, LOOK_AT_MAP};
         let status = match &error {
             Error::StepFailed { .. } => SymplintStatus::StepFailed,
             Error::NotFinite {
@@ -77,7 +77,13 @@ impl From<symplint::Error> for Failure {
             | Error::RepeatedStep { .. } => SymplintStatus::BadArgument,
             _ => SymplintStatus::Failed,
         };
-        Failure::new(status, error.to_string())
+        let layout = match &error {
+            Error::Memory { dependence, .. } if *dependence == Dependence::Either => {
+                "; position i of sample k is q[i * samples + k], q(k + 1, i + 1) in Fortran: arrays that are read in another order mix states"
+            }
+            _ => "",
+        };
+        Failure::new(status, format!("{error}{layout}"))
     }
 }
 

@@ -295,6 +295,7 @@ static void checks(void) {
     snprintf(made, sizeof made, "\"made\": %zu", user.states);
     CHECK(strstr(json, "\"schema\": \"symplint/report/3\"") && strstr(json, made) && strstr(json, "\"budget\": 1500"));
     CHECK(strstr(symplint_report_summary(report), "symplectic") == symplint_report_summary(report));
+    CHECK(strstr(symplint_report_text(report), "2 degrees of freedom") && strstr(symplint_report_text(report), "Relative change"));
 
     /* Threads of the library change nothing, and there is a check on every thread count. */
     char *first = malloc(strlen(json) + 1);
@@ -362,7 +363,7 @@ static void checks(void) {
     CHECK(symplint_options_init(NULL, sizeof bad) == SYMPLINT_STATUS_NULL_POINTER);
 
     CHECK(symplint_report_verdict(NULL) == SYMPLINT_VERDICT_NONE && symplint_report_json(NULL) == NULL);
-    CHECK(isnan(symplint_report_digits(NULL)) && symplint_report_summary(NULL) == NULL);
+    CHECK(isnan(symplint_report_digits(NULL)) && symplint_report_summary(NULL) == NULL && symplint_report_text(NULL) == NULL);
     symplint_report_free(NULL);
 }
 

@@ -235,9 +235,9 @@ pub enum Error {
     },
     /// The same state does not always become the same state.
     #[error(
-        "the result depends on {dependence}: the state{} gives another one {circumstance}, by {difference:.1e} in \
-         {coordinate}[{dof}]{}; let a step depend only on h and the state (if \
-         it draws random numbers: give every row and every call the same ones)",
+        "the result depends on {dependence}: the state{} has another result {circumstance}, and {coordinate}[{dof}] differs by \
+         {difference:.1e}{}; let a step depend only on h and the state (if it draws random numbers: give every row and every call \
+         the same ones)",
         match .s { Some(s) => format!(" at s = {s} of the loop"), None => String::new() },
         with(*.step_size)
     )]

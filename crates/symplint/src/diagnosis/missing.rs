@@ -13,7 +13,9 @@ use super::limits::{
 use super::plan::Plan;
 use super::{Diagnostic, SampleCount};
 use crate::error::Error;
-use crate::evidence::{Check, Evidence, LoopEvidence, MOST_CELLS_APART, StepEvidence};
+use crate::evidence::{
+    Check, Evidence, LoopEvidence, MOST_CELLS_APART, StepEvidence, WEAKEST_BOUND,
+};
 use crate::loops::MOST_SAMPLES;
 use crate::rules::{Rule, Subject, cells_apart};
 use crate::state::Ensemble;
@@ -38,8 +40,11 @@ impl Diagnostic {
         let given = evidence.loops.first().map_or(0, |given| given.samples);
         let fewer = matches!(self.samples, SampleCount::Fixed(asked) if given < asked);
         let limited = fewer || self.plan(subject, budget).is_tight();
+        // Further samples do not resolve a map whose own rounding exceeds the bound that a verdict needs.
+        let drowned = |step: &StepEvidence| step.defect.roundoff > WEAKEST_BOUND;
         let unresolved = |step: &StepEvidence| {
-            step.misses_the_grid() || limited && (!step.is_bounded() || step.is_unexplained())
+            let is_weak = !step.is_bounded() || step.is_unexplained();
+            step.misses_the_grid() || limited && is_weak && !drowned(step)
         };
         let mut samples = 0;
         for (found, step) in steps().filter(|(_, step)| unresolved(step)) {

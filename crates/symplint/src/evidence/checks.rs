@@ -78,12 +78,12 @@ pub struct Omission {
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum Why {
-    /// The budget was spent.
+    /// The budget was too small.
     Budget {
         /// The least number that is missing: step sizes of the given loop, numbers of samples of a sweep, random loops; 1 of other checks.
         missing: usize,
     },
-    /// The budget was spent before the samples resolved the loop to round-off.
+    /// The budget was too small for samples that resolve the loop to round-off.
     Unresolved,
     /// Ensembles of this many samples would take more than 512 MiB.
     Memory {

@@ -24,10 +24,14 @@ impl Clues<'_> {
         self.order.or_else(|| slope_of(self.evidence))
     }
 
-    /// The slope of the defect of the Jacobian, to which the blocks belong: loops may show another defect.
+    /// The slope of the defect of the Jacobian, to which the blocks belong. If loops state a lower order, it is that one: at the state of
+    /// the Jacobian, the largest step may be beyond the first term of the defect.
     fn slope_of_blocks(&self) -> Option<f64> {
         let of_jacobian = self.evidence.jacobian_decay.and_then(slope_of_jacobian);
-        of_jacobian.map(|fit| fit.slope).or_else(|| self.slope())
+        match (of_jacobian.map(|fit| fit.slope), self.order) {
+            (Some(slope), Some(order)) => Some(slope.min(order)),
+            (slope, _) => slope.or_else(|| self.slope()),
+        }
     }
 
     /// The part of the step that the blocks of the defect show.

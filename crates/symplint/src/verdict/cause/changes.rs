@@ -2,6 +2,7 @@
 
 use super::blocks::OF_A_MODEL;
 use super::{Cause, CauseKind, Clues};
+use crate::evidence::{Origin, StepEvidence};
 use crate::signal::SIGNIFICANT;
 use crate::text::{self, one_digit, with_uncertainty};
 use crate::verdict::advice::Advice;
@@ -143,6 +144,9 @@ impl Clues<'_> {
 
     /// All areas change their sign.
     pub(super) fn swapped(&self) -> Option<Cause> {
+        if self.evidence.origin == Origin::Samples {
+            return self.swapped_samples();
+        }
         let [factor, of_factor] = self.conformal()?.factor?;
         ((factor + 1.0).abs() <= SIGNIFICANT * of_factor).then(|| {
             Cause::new(
@@ -151,6 +155,25 @@ impl Clues<'_> {
                  of them has the wrong sign."
                     .into(),
                 "Check that the step returns q and p in this order, and the signs of both.",
+            )
+        })
+    }
+
+    /// The integrals of all loops that another code advanced change their sign, to their uncertainty.
+    fn swapped_samples(&self) -> Option<Cause> {
+        let mut steps = (self.evidence.loops.iter()).flat_map(|found| &found.steps);
+        let is_swapped = |step: &StepEvidence| {
+            let uncertainty = step.defect.uncertainty();
+            (step.defect.signed + 2.0).abs() <= SIGNIFICANT * uncertainty
+                && step.defect.magnitude() > SIGNIFICANT * SIGNIFICANT * uncertainty
+        };
+        steps.all(is_swapped).then(|| {
+            Cause::new(
+                CauseKind::Swapped,
+                "The loop integrals after the step are those before it with the other sign: q and p are swapped, one of them has the \
+                 wrong sign, or the samples are in the opposite order."
+                    .into(),
+                "Check the columns of the states after the step, the signs of q and p, and the order of the samples.",
             )
         })
     }

@@ -35,15 +35,16 @@ impl Clues<'_> {
         let kind = form.kind();
         let (meaning, setting, remedy) = match kind {
             CauseKind::VelocitiesForMomenta => (
-                "p are not canonical momenta: velocities, or momenta in other units",
+                "p are velocities or momenta in other units, or a force between two coordinates has a wrong factor",
                 form.weights_setting(),
-                "Pass these weights (masses, or conversions of units; with all their digits, if you know them), or give the momenta \
-                 weight × p",
+                "If these weights are masses or conversions of units, pass them (with all their digits, if you know them), or give the \
+                 momenta weight × p",
             ),
             CauseKind::SignOfAPair => (
-                "a pair (q, p) has the other sign: q and p are interchanged there, or one of them has its sign changed",
+                "a pair (q, p) has the other sign, as if q and p are interchanged, or a force between two coordinates has a wrong sign",
                 form.weights_setting(),
-                "Pass these weights, with radii that differ (equal areas cancel), or change the sign of one coordinate of each pair with -1",
+                "If a coordinate has the other sign on purpose, pass these weights, with radii that differ (equal areas cancel), or \
+                 change the sign of one coordinate of each pair with -1",
             ),
             CauseKind::PairsPermuted => (
                 "q and p are not in the same order",
@@ -100,10 +101,21 @@ impl Clues<'_> {
                 size(h)
             )
         });
+        // A force on one of two coordinates that has a factor too many is a gradient in other units, and the energy of one is lost.
+        let is_of_weights = matches!(
+            kind,
+            CauseKind::VelocitiesForMomenta | CauseKind::SignOfAPair
+        );
+        let otherwise = match is_of_weights {
+            true => {
+                " Otherwise, test the force with `check_force`: a coupling with a wrong sign or factor looks the same."
+            }
+            false => "",
+        };
         Some(Cause {
             setting: Some(setting.clone()),
             digits: Some((-bound.max(f64::EPSILON).log10() * 10.0).floor() / 10.0),
-            ..Cause::new(kind, text, format!("{remedy}: {setting}.{only}"))
+            ..Cause::new(kind, text, format!("{remedy}: {setting}.{otherwise}{only}"))
         })
     }
 

@@ -194,7 +194,7 @@ impl Display for BoundFinding {
                 f.write_str("The map fails on every random loop of the given one's size.")
             }
             BoundFinding::NoRandomLoop => f.write_str(
-                "Only your loop was tried, before the budget was spent, and a symmetric loop can hide a defect.",
+                "The budget was too small for more than your loop, and a symmetric loop can hide a defect.",
             ),
             BoundFinding::LoopFailed { loop_index, reason } => write!(
                 f,

@@ -2,9 +2,8 @@
 
 use std::fmt::{Display, Formatter, Result};
 
-use super::plural;
 use crate::evidence::{Check, Omission, Why};
-use crate::text::{loop_name, size};
+use crate::text::{capitalised, loop_name, size};
 
 impl Display for Omission {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
@@ -17,20 +16,23 @@ impl Display for Omission {
             _ => None,
         };
         if let Some((what, of, missing)) = missing {
-            let plural = plural(*missing);
+            let (plural, were) = match missing {
+                1 => ("", "was"),
+                _ => ("s", "were"),
+            };
             return write!(
                 f,
-                "The budget was spent before {missing} {what}{plural}{of} could be tried."
+                "{missing} {what}{plural}{of} {were} not tried: the budget was too small."
             );
         }
         let left_out = self.check.left_out();
         match &self.why {
-            Why::Budget { .. } => write!(f, "{left_out}: the budget was spent."),
+            Why::Budget { .. } => write!(f, "{left_out}: the budget was too small."),
             Why::Unresolved => {
-                let name = loop_name(0);
+                let name = capitalised(&loop_name(0));
                 write!(
                     f,
-                    "The budget was spent before {name} was resolved to round-off."
+                    "{name} was not resolved to round-off: the budget was too small."
                 )
             }
             Why::Memory { samples } => {
