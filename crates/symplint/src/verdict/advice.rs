@@ -4,7 +4,7 @@ use std::fmt::{Display, Formatter, Result};
 
 use serde::Serialize;
 
-use crate::text::{one_digit, short, size};
+use crate::text::{one_digit, power_of_h, short, size};
 
 /// What to do next. Its sentence is its `Display`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -154,7 +154,6 @@ impl Advice {
     fn fixed(&self) -> Option<&str> {
         Some(match self {
             Advice::Remedy { text } => text,
-            Advice::LookForCause { order } => look_for_cause(*order),
             Advice::MeasureLoop => "Measure one loop or more.",
             Advice::StatePeriod => {
                 "State the period of the position, as an array `period` in the file or as an option."
@@ -239,7 +238,8 @@ impl Advice {
             Advice::MoreLoopsOfFile => {
                 "One loop tests one region of phase space: also measure others, from `symplint loop --shape fourier --seed 2`, for example."
             }
-            Advice::MoreStepSizes { .. }
+            Advice::LookForCause { .. }
+            | Advice::MoreStepSizes { .. }
             | Advice::NoOrder { .. }
             | Advice::LargerSteps { .. }
             | Advice::LargerRadii { .. }
@@ -255,6 +255,7 @@ impl Advice {
 impl Display for Advice {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         match self {
+            Advice::LookForCause { order } => f.write_str(&look_for_cause(*order)),
             Advice::MoreStepSizes { given } => write!(
                 f,
                 "Give four or more step sizes, each half of the one before, to learn the order ({given} given)."
@@ -318,20 +319,30 @@ impl Display for Advice {
 }
 
 /// The likeliest causes of a defect of this order.
-fn look_for_cause(order: Option<f64>) -> &'static str {
+fn look_for_cause(order: Option<f64>) -> String {
     match order {
         Some(order) if order.round() >= 2.0 => {
-            "Look for a method that is not symplectic, such as a Runge–Kutta method of one or two orders less (use a \
-             symplectic one of its order), and for a solver or a force that is less accurate than the step (a force that is not \
-             a gradient: `check_force`)."
+            let k = order.round();
+            let methods = match k > 2.0 {
+                true => format!("{} or {}", k - 2.0, k - 1.0),
+                false => "1".to_owned(),
+            };
+            format!(
+                "Check the method: a Runge–Kutta method of order {methods}, for example, changes loop integrals in proportion to {}. Use a \
+                 symplectic method of the same order. If the method is symplectic, look for a solver or a force that is less \
+                 accurate than the step (a force that is not a gradient: `check_force`).",
+                power_of_h(k)
+            )
         }
         Some(order) if order > 0.0 => {
             "Look for friction, a force that is not a gradient (`check_force`), momenta that are not canonical (velocities: \
              `weight`; a magnetic field), and for the explicit Euler method."
+                .to_owned()
         }
         _ => {
             "Look for friction, a force that is not a gradient (`check_force`), momenta that are not canonical, and for a method \
              that is not symplectic."
+                .to_owned()
         }
     }
 }

@@ -343,9 +343,12 @@ impl Display for Property {
             let factor = text::factor(factor, of_factor);
             write!(f, " (a step multiplies all areas by {factor}")?;
             if let Some([rate, of_rate]) = self.rate {
-                let motion = if rate > 0.0 { "damping" } else { "growth" };
-                let rate = with_uncertainty(rate, of_rate);
-                write!(f, ": uniform {motion} e^(−γh), γ = {rate}")?;
+                let motion = match rate > 0.0 {
+                    true => "damping e^(−γh)",
+                    false => "growth e^(γh)",
+                };
+                let rate = with_uncertainty(rate.abs(), of_rate);
+                write!(f, ": uniform {motion}, γ = {rate}")?;
             }
             return f.write_str(")");
         }
@@ -394,13 +397,16 @@ impl Display for Property {
                 }
                 return f.write_str(")");
             }
-            PropertyName::Reversible => format!("a step, {signs}, and a step"),
+            PropertyName::Reversible => format!("a step, {signs} and another step"),
             PropertyName::Symmetric => "a step of h and one of −h".to_owned(),
         };
         match (self.holds, self.place) {
             (Some(true), _) | (_, None) => write!(f, " ({way} return to within {bound} radii)"),
             (_, Some((coordinate, dof))) => {
-                write!(f, " ({way} miss {coordinate}[{dof}] by {value} radii)")
+                write!(
+                    f,
+                    " (after {way}, {coordinate}[{dof}] is {value} radii off)"
+                )
             }
         }
     }

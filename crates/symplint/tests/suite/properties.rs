@@ -436,7 +436,7 @@ fn properties_are_said_in_one_line_each() {
         "not symplectic",
         "conformally symplectic (a step multiplies all areas by 0.951229",
         "not volume preserving (|det DΦ − 1| = 0.095)",
-        "not time-reversible (a step, p → −p, and a step miss ",
+        "not time-reversible (after a step, p → −p and another step, ",
         "symmetric (a step of h and one of −h return to ",
     ];
     for (text, begin) in texts.iter().zip(begins) {

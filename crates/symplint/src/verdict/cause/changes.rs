@@ -183,7 +183,7 @@ impl Clues<'_> {
         let conformal = self.conformal()?;
         let [factor, of_factor] = conformal.factor.filter(|[factor, _]| *factor > 0.0)?;
         let value = text::factor(factor, of_factor);
-        let meaning = if factor < 1.0 { "friction" } else { "growth" };
+        let kind = if factor < 1.0 { "friction" } else { "growth" };
         let jacobian = self.evidence.jacobian.as_ref();
         let by = match jacobian.is_some_and(|of| of.volume.is_some() && of.shows_defect()) {
             true => ", of the Jacobian and of all loops,",
@@ -199,16 +199,19 @@ impl Clues<'_> {
                                   if the forces on the loops are linear, and so do momenta in units that the step changes"
                 .to_owned(),
             Some([rate, of_rate]) => {
-                let rate = with_uncertainty(rate, of_rate);
+                let sign = if rate > 0.0 { "−" } else { "" };
+                let rate = with_uncertainty(rate.abs(), of_rate);
                 format!(
-                    ", as uniform {meaning} e^(−γh) with γ = {rate} does, or momenta in units that the step changes"
+                    ", as uniform {kind} e^({sign}γh) with γ = {rate} does, or momenta in units that the step changes"
                 )
             }
             None => ", as friction or momenta in units that the step changes do".to_owned(),
         };
         let first = match is_of_method {
             true => self.remedy(),
-            false => "If the step has uniform friction on purpose, it does what it should: it is conformally symplectic.".to_owned(),
+            false => format!(
+                "If the step has uniform {kind} on purpose, it does what it should: it is conformally symplectic."
+            ),
         };
         let remedy = format!(
             "{first} If momenta are divided by a reference momentum that the step changes, multiply them by it before and after the step."

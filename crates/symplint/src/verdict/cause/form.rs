@@ -167,22 +167,17 @@ impl Clues<'_> {
     pub(super) fn no_form(&self) -> Option<Cause> {
         let form = self.evidence.preserved_form.as_ref()?;
         let change = form.change.filter(|_| form.exists == Some(false))?;
-        let (family, why) = match form.all_constant {
+        let (what, family) = match form.all_constant {
             true if form.with_fields => (
-                "No constant two-form, and none with a magnetic field B(q) of at most degree 2,",
-                "No masses, signs, pairs or such field make the step symplectic",
+                "masses, signs, pairs or magnetic field of at most degree 2",
+                "two-form with such a field",
             ),
-            true => (
-                "No constant two-form",
-                "No masses, signs, pairs or uniform field make the step symplectic",
-            ),
-            false => (
-                "No form Σ c dq∧dp with constant weights c",
-                "No masses or signs make the step symplectic",
-            ),
+            true => ("masses, signs, pairs or uniform field", "constant two-form"),
+            false => ("masses or signs", "form Σ c dq∧dp with constant weights c"),
         };
         let text = format!(
-            "{family} is preserved: at {} states, the one that comes nearest changes by {} of its largest entry. {why}.",
+            "No {what} make the step symplectic: at {} states, it preserves no {family}. The nearest one changes by {} of its \
+             largest entry.",
             form.states,
             two_digits(change)
         );

@@ -15,6 +15,7 @@ use super::findings::Finding;
 use super::order::Fit;
 use super::properties::Property;
 use crate::evidence::Evidence;
+use crate::text::plain_numbers;
 
 /// The likeliest cause of a verdict that is not `symplectic`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -173,8 +174,8 @@ impl Cause {
     fn new(kind: CauseKind, text: String, remedy: impl Into<String>) -> Self {
         Cause {
             kind,
-            text,
-            remedy: remedy.into(),
+            text: plain_numbers(&text),
+            remedy: plain_numbers(&remedy.into()),
             setting: None,
             digits: None,
         }

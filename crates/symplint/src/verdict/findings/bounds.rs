@@ -162,12 +162,12 @@ impl Display for BoundFinding {
             BoundFinding::Resolution { samples, one_in } => match one_in {
                 Some(one_in) => write!(
                     f,
-                    "Other regions of phase space, details finer than 1/{samples} of a loop, and errors at fewer than 1 in {one_in} \
-                     states were not tested."
+                    "Other regions of phase space and details finer than 1/{samples} of a loop were not tested, and an error that affects \
+                     fewer than 1 in {one_in} states can be missed."
                 ),
                 None => write!(
                     f,
-                    "Other regions of phase space, and details finer than 1/{samples} of a loop, were not tested."
+                    "Other regions of phase space and details finer than 1/{samples} of a loop were not tested."
                 ),
             },
             BoundFinding::MovesRest { loop_index } => write!(
@@ -181,8 +181,8 @@ impl Display for BoundFinding {
                 step,
             } => write!(
                 f,
-                "Neighbouring samples of {} are {} cells of the map's grid, or half periods, apart {step}: they \
-                 do not resolve it.",
+                "Neighbouring samples of {} are {} cells of the map's grid (or half periods) apart {step}: they do not \
+                 resolve it.",
                 loop_name(*loop_index),
                 short(*cells_apart)
             ),

@@ -172,7 +172,7 @@ fn moves(f: &mut Formatter<'_>, motion: &Motion, has_step_size: bool) -> Result 
         match has_step_size && motion.phase_advance <= MOST_OF_THE_SERIES {
             true => write!(
                 f,
-                " A Runge–Kutta method of order 4 would change its integral by about {}.",
+                " A Runge–Kutta method of order 4 would change the loop integral by about {}.",
                 one_digit(defect_of_order_4(motion.phase_advance))
             ),
             false => Ok(()),

@@ -86,7 +86,7 @@ fn fmt_long_time(f: &mut Formatter<'_>, found: &LongTime, growth: Growth) -> Res
         Growth::Bounded => write!(
             f,
             "In {steps} steps the defect stays bounded, {early:.1e} in the first quarter and {late:.1e} in the \
-             last, and returns to {least:.1e}: as for a method that is conjugate to a symplectic one."
+             last, and returns to {least:.1e}. Methods that are conjugate to a symplectic one do this."
         )?,
         Growth::Grows => {
             let law = exponent.map_or(String::new(), |exponent| match exponent {
@@ -116,8 +116,8 @@ fn fmt_long_time(f: &mut Formatter<'_>, found: &LongTime, growth: Growth) -> Res
     if steps < asked {
         write!(
             f,
-            " After that, the loop is folded too finely for {samples} samples; {asked} steps were asked for. Take a smaller loop or more \
-             samples."
+            " Later steps, of the {asked} that were asked for, fold the loop too finely for {samples} samples. Take a smaller loop or \
+             more samples."
         )?;
     }
     Ok(())

@@ -167,8 +167,7 @@ impl Display for SampleFinding {
             },
             SampleFinding::Shuffled { ratio } => write!(
                 f,
-                "Neighbouring samples of a loop are {} times as far apart as they are when sorted along it: the \
-                 rows do not seem to be in order.",
+                "The rows do not seem to be in order along the loop: if they were sorted, neighbouring samples would be {} times closer.",
                 short(*ratio)
             ),
             SampleFinding::RepeatedRow { row } => write!(
