@@ -46,7 +46,7 @@ program pendulum
 contains
     function check(name, step) result(verdict)
         character(len=*), intent(in) :: name
-        type(c_funptr), intent(in) :: step
+        type(c_funptr), value :: step
         integer(c_int) :: verdict
         type(symplint_options) :: options
         type(c_ptr) :: report

@@ -50,6 +50,14 @@ static int step(void *pointer, double h, size_t dof, size_t samples, double *q, 
     }
 }
 
+/* A kick that takes position i of sample k from q[k * dof + i]. */
+static int transposed(void *user, double h, size_t dof, size_t samples, double *q, double *p) {
+    (void)user;
+    for (size_t k = 0; k < samples; k++)
+        for (size_t i = 0; i < dof; i++) p[k * dof + i] -= h * sin(q[k * dof + i] - q[k * dof]);
+    return 0;
+}
+
 /* The standard map on the torus. */
 static int standard_map(void *user, double h, size_t dof, size_t samples, double *q, double *p) {
     const double turn = 6.283185307179586;
@@ -157,7 +165,7 @@ static void reversal_function(void) {
     symplint_options_init(&options, sizeof options);
     CHECK(options.reversal_function == NULL);
     CHECK(symplint_check(shifted, &sum, 2, q0, p0, &options, &report) == SYMPLINT_STATUS_OK);
-    CHECK(strstr(symplint_report_json(report), "\"text\": \"not time-reversible (a step, p → −p") != NULL);
+    CHECK(strstr(symplint_report_json(report), "\"text\": \"not time-reversible (after a step, p → −p") != NULL);
     symplint_report_free(report);
     options.reversal_function = reflect;
     CHECK(symplint_check(shifted, &sum, 2, q0, p0, &options, &report) == SYMPLINT_STATUS_OK);
@@ -165,7 +173,7 @@ static void reversal_function(void) {
     symplint_report_free(report);
     sum = 3;
     CHECK(symplint_check(shifted, &sum, 2, q0, p0, &options, &report) == SYMPLINT_STATUS_OK);
-    CHECK(strstr(symplint_report_json(report), "\"text\": \"not time-reversible (a step, the given reversal") != NULL);
+    CHECK(strstr(symplint_report_json(report), "\"text\": \"not time-reversible (after a step, the given reversal") != NULL);
     symplint_report_free(report);
     sum = 0;
     CHECK(symplint_check(shifted, &sum, 2, q0, p0, &options, &report) == SYMPLINT_STATUS_BAD_ARGUMENT);
@@ -324,6 +332,8 @@ static void checks(void) {
     CHECK(symplint_check(step, &user, 2, q0, p0, &options, &report) == SYMPLINT_STATUS_FAILED);
     CHECK(says("the result depends on earlier calls"));
     user.fault = NONE;
+    CHECK(symplint_check(transposed, NULL, 2, q0, p0, &options, &report) == SYMPLINT_STATUS_FAILED);
+    CHECK(says("other rows of the batch") && says("q[i * samples + k]"));
 
     /* Bad arguments. */
     const double infinite[2] = {INFINITY, 0};
