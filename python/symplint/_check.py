@@ -752,12 +752,14 @@ def _subject(
 
 def _check_signature(step: Any, has_form: bool, step_sizes: Any, make: bool, extra: int) -> None:
     """Refuse a step with the arguments of another convention."""
-    if not callable(step) or isinstance(step, Integrator | Composition | AdaptedStep):
+    if not callable(step) or isinstance(step, Integrator | AdaptedStep):
         return
     if make:
-        return check_signature(step, ("h",), extra)
+        return None if isinstance(step, Composition) else check_signature(step, ("h",), extra)
     has_step_size = not (isinstance(step_sizes, str) and step_sizes == "none")
-    check_signature(step, (("z",) if has_form else ("q", "p")) + (("h",) if has_step_size else ()), extra)
+    arguments = (("z",) if has_form else ("q", "p")) + (("h",) if has_step_size else ())
+    for function in [function for _, function in step.parts] if isinstance(step, Composition) else [step]:
+        check_signature(function, arguments, extra)
 
 
 def _parts(step: Any, make: bool) -> list[tuple[str, Callable[..., Any]]]:

@@ -17,6 +17,7 @@ MOMENTA = {"p", "v", "vel", "velocity", "velocities", "momentum", "momenta"}
 ALL_AT_ONCE = {"z", "y", "u", "state", "states", "w"}
 
 ONE_STATE = "step gets arrays of shape (samples, dof); write it with numpy functions, or for one state and give per_sample=True"
+OF_NUMBERS = "q and p are arrays of shape (dof,): take q[0], or write the step with numpy functions"
 
 #: Words of exceptions that steps raise which are written for one state.
 OF_ONE_STATE = (
@@ -88,11 +89,12 @@ def check_signature(step: Callable[..., Any], expected: tuple[str, ...], extra: 
 def hint(error: StepError, per_sample: bool) -> str | None:
     """What to do about an exception of a step that is written for one state, if it looks like one."""
     cause = error.__cause__
-    if per_sample or cause is None:
+    if cause is None:
         return None
-    text = str(cause)
-    if any(words in text for words in OF_ONE_STATE):
-        return ONE_STATE
+    if any(words in str(cause) for words in OF_ONE_STATE):
+        return OF_NUMBERS if per_sample else ONE_STATE
+    if per_sample:
+        return None
     if isinstance(cause, IndexError):
         return f"{ONE_STATE}; q[:, i] is degree of freedom i of all samples"
     return None

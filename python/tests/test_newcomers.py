@@ -109,6 +109,8 @@ MISTAKES = {
     "a step size that is not passed": (good, ONE, {"step_sizes": "none"}, ["called as step(q, p)"]),
     "an argument too many": (four_arguments, ONE, {}, ["four_arguments(q, p, h, k)", "args="]),
     "functions of scalars": (of_scalars, ONE, {}, ["numpy functions", "per_sample=True"]),
+    "functions of scalars for one state": (of_scalars, ONE, {"per_sample": True}, ["shape (dof,)", "q[0]"]),
+    "parts without a step size": (None, ONE, {"substeps": [("a", without_h)]}, ["no step size", 'step_sizes="none"']),
     "float of an array": (to_float, ONE, {}, ["shape (samples, dof)", "per_sample=True"]),
     "if of an array": (by_if, ONE, {}, ["truth value", "per_sample=True"]),
     "index of a degree of freedom": (by_index, TWO, {}, ["q[:, i] is degree of freedom i", "per_sample=True"]),

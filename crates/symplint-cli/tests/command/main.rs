@@ -310,7 +310,7 @@ fn a_program_that_never_works_is_an_error_with_its_words() {
     for (command, words) in [
         (
             "[\"no-such-program\", \"{before}\", \"{after}\"]",
-            "cannot run `no-such-program`",
+            "cannot run `no-such-program`: no such file; check system.command",
         ),
         (
             "[\"sh\", \"-c\", \"echo sorry; exit 7\", \"{before}\", \"{after}\"]",

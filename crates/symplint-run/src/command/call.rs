@@ -1,7 +1,7 @@
 //! One call: writes the states, runs the program, reads what it made of them.
 
 use std::fs;
-use std::io::{Read, Seek, SeekFrom};
+use std::io::{ErrorKind, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -163,8 +163,12 @@ impl Call<'_> {
         };
         let words = self.words(before, after)?;
         let files = [create(output)?, create(error)?];
-        run(&words, &self.program.folder, files, self.timeout)
-            .map_err(|error| CallsError::system(&format!("run `{}`", words[0]), &error))
+        run(&words, &self.program.folder, files, self.timeout).map_err(|error| match error.kind() {
+            ErrorKind::NotFound => CallsError::NoProgram {
+                program: words[0].clone(),
+            },
+            _ => CallsError::system(&format!("run `{}`", words[0]), &error),
+        })
     }
 
     fn before(&self, path: PathBuf, states: Ensemble) -> LoopFile {

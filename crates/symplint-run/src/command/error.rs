@@ -52,6 +52,14 @@ pub enum CallsError {
         /// The file.
         path: PathBuf,
     },
+    /// The program is not there.
+    #[error(
+        "cannot run `{program}`: no such file; check system.command, whose paths start at the folder of the configuration"
+    )]
+    NoProgram {
+        /// Its name.
+        program: String,
+    },
     /// The system could not start a process, or open or write a file.
     #[error(
         "cannot {action}: {reason}; check system.command and the limits of the system: end other processes or set system.workers \
