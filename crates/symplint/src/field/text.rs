@@ -246,7 +246,7 @@ impl FieldReport {
             Certainty::Work(_) if self.is_force() => &[
                 "Check the formula first: signs, indices, a term that one of two particles misses (Newton's third law), accelerations \
                  instead of forces.",
-                "A force that a model predicts directly is not a gradient: differentiate the energy.",
+                "A neural network that predicts forces directly gives no gradient: let it predict the energy, and differentiate.",
             ],
             Certainty::Work(_) => &[
                 "Check first: friction, a force that is not a gradient (check_force), velocities instead of momenta (state masses as weights), a \

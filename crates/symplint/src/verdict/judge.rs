@@ -247,6 +247,10 @@ impl<'a> Case<'a> {
 
     /// The range of the step sizes of a loop.
     fn range(&self, found: &LoopEvidence) -> StepRange {
+        // The result of a step that ignores h holds for no step size.
+        if self.evidence.survey.ignores_step_size {
+            return StepRange::Map;
+        }
         let sizes = || found.steps.iter().filter_map(|step| step.step_size);
         match (sizes().reduce(f64::min), sizes().reduce(f64::max)) {
             (Some(low), Some(high)) if low == high => StepRange::One(low),

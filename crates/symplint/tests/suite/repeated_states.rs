@@ -140,9 +140,14 @@ fn small_noise_limits_the_digits() {
 fn a_step_that_ignores_its_size_is_named() {
     let named = |map: &dyn TimeAdvance| {
         let verdict = run(map).unwrap().verdict;
-        verdict
-            .findings
-            .contains(&Finding::Map(MapFinding::IgnoresStepSize))
+        let named = Finding::Map(MapFinding::IgnoresStepSize);
+        let is_named = verdict.findings.contains(&named);
+        // The verdict names no step sizes then.
+        assert!(
+            !(is_named && verdict.summary().contains(" h ")),
+            "{verdict}"
+        );
+        is_named
     };
     let of = |fixed: Option<f64>| {
         PerSample::new(1, move |h, q: &mut [f64], p: &mut [f64]| {
