@@ -14,8 +14,8 @@ use crate::error::other_error;
 use crate::memory::{Memory, Number};
 
 /// Rows that a function may get at once, the largest first. There are few, as JAX and other compilers compile a function for each
-/// size. Conventional: powers of four.
-const SIZES: [usize; 6] = [1024, 256, 64, 16, 4, 1];
+/// size; loops of more than 2048 samples, which take the two largest, are rare. Conventional: powers of four.
+const SIZES: [usize; 8] = [16384, 4096, 1024, 256, 64, 16, 4, 1];
 
 /// Coordinates that a function gets at once, at most: with the results and some temporary arrays, positions and momenta
 /// of a batch fit into the cache of a core.
