@@ -15,7 +15,7 @@ __all__ = ["Shaped", "axes", "broadcast", "of_any_shape", "shaped"]
 
 
 def axes(value: Any) -> int:
-    """The number of axes of an array; 1 for what is none."""
+    """The number of axes of an array; 1 for other objects, which are refused later."""
     try:
         return numbers(value, "q0").ndim
     except (TypeError, ValueError):
@@ -28,7 +28,7 @@ def of_any_shape(value: Any, name: str) -> Array:
     Raises
     ------
     InputError
-        If there are none, or something else.
+        If it is empty, or not an array of numbers.
     """
     try:
         array = numbers(value, name)
