@@ -2,9 +2,10 @@
 
 use std::f64::consts::{PI, TAU};
 
+use symplint::verdict::CauseKind;
 use symplint::{
-    Circle, Coordinates, Diagnosis, Ensemble, Error, Loop, PerSample, Snapshot, TimeAdvance,
-    VerdictKind, measure,
+    Circle, Coordinates, Diagnosis, Ensemble, Error, FourierLoop, Loop, PerSample, Snapshot,
+    TimeAdvance, VerdictKind, measure,
 };
 
 type Step = fn(f64, &mut [f64], &mut [f64]);
@@ -572,4 +573,27 @@ fn rows_that_few_digits_make_equal_are_kept() {
     let found = measure(&before, &after, &Coordinates::plain(1)).unwrap();
     assert_eq!(found.evidence.loops[0].repeated_row, None);
     assert_eq!(found.evidence.loops[0].samples, 8192);
+}
+
+#[test]
+fn q_and_p_that_are_exchanged_and_rows_in_the_opposite_order_are_named() {
+    let swapped = |h: f64, q: &mut [f64], p: &mut [f64]| {
+        leapfrog(h, q, p);
+        std::mem::swap(&mut q[0], &mut p[0]);
+    };
+    let exchanged = plain(swapped, &circle(1.0, 0.5), 256, &[0.5, 0.25]).verdict;
+    let backwards = FourierLoop::random(vec![1.0], vec![0.5], &[0.5], &[0.5], 1).unwrap();
+    let before = Snapshot::new(Ensemble::sample(&backwards, 256).unwrap());
+    let mut reversed = before.states.clone();
+    let mut block = reversed.block();
+    block.q.row_mut(0).reverse();
+    block.p.row_mut(0).reverse();
+    let after = [Snapshot::new(reversed).after_step(0.5)];
+    let reversed = measure(&before, &after, &Coordinates::plain(1))
+        .unwrap()
+        .verdict;
+    for verdict in [exchanged, reversed] {
+        let cause = verdict.cause.as_ref().map(|cause| cause.kind);
+        assert_eq!(cause, Some(CauseKind::Swapped), "{verdict}");
+    }
 }
