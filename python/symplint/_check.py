@@ -426,7 +426,7 @@ def _check(
         q0, p0 = q0.ravel(), p0.ravel()
     if mass_matrix is not None:
         others = {"form": form, "weight": weight, "project": project, "momentum_period": momentum_period, "jvp": jvp, "dtype": dtype}
-        step, p0, energy, reversal = _of_velocities(mass_matrix, step, q0, p0, energy, reversal, make, others)
+        step, p0, energy, reversal = _of_velocities(mass_matrix, step, q0, p0, energy, reversal, make, per_sample, others)
     if form is not None:
         step, q0, p0, radius, loop, project = _of_form(
             form, step, q0, p0, radius=radius, phases=phases, loop=loop, project=project, casimir=casimir,
@@ -774,7 +774,7 @@ def _parts(step: Any, make: bool) -> list[tuple[str, Callable[..., Any]]]:
 
 
 def _of_velocities(
-    mass_matrix: Any, step: Any, q0: Any, v0: Any, energy: Any, reversal: Any, make: bool, others: dict[str, Any]
+    mass_matrix: Any, step: Any, q0: Any, v0: Any, energy: Any, reversal: Any, make: bool, per_sample: bool, others: dict[str, Any]
 ) -> tuple[Any, ...]:
     """What is tested if a mass matrix is given: step, p0, energy and reversal in the canonical momenta."""
     if refused := [name for name, value in others.items() if value is not None]:
@@ -791,7 +791,9 @@ def _of_velocities(
         step = StepOfVelocities(step, matrix, make)
     energy = EnergyOfVelocities(energy, matrix) if callable(energy) else energy
     reversal = StepOfVelocities(reversal, matrix) if callable(reversal) else reversal
-    return step, matrix.momenta(q0, v0), energy, reversal
+    # The function takes states as the step does.
+    p0 = matrix.momenta(q0, v0) if per_sample else matrix.momenta(q0[None], v0[None])[0]
+    return step, p0, energy, reversal
 
 
 def _of_form(

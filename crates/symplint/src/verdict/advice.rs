@@ -199,7 +199,8 @@ impl Advice {
             }
             Advice::LoopOnManifold => {
                 "Give a projection onto the constraint manifold (`with_projection`, `project`), which puts all loops there. \
-                 Or give a loop that lies on it, with loops = 1 and jacobian = false: random loops leave it."
+                 Or give a loop that lies on it, with loops = 1 and jacobian = false: random loops leave it. If the step clips a \
+                 coordinate instead, take a loop that does not reach the limit."
             }
             Advice::Project => {
                 "Give a projection onto the constraint manifold (`with_projection`, `project`), which keeps random loops and \
@@ -229,7 +230,8 @@ impl Advice {
             }
             Advice::SameRandomNumbers => {
                 "If the step draws random numbers: give every row and every call the same ones (one seed at the start of \
-                 every step, and one draw for all rows). If it starts a solver at random: start it from the state."
+                 every step, and one draw for all rows). If it keeps a force, a neighbour list or a first guess from earlier calls: compute \
+                 it from the state, or restore it before each call (`reset`)."
             }
             Advice::OtherLoops => {
                 "Take other loops: one that is off the symmetries of the system, and a larger one."
@@ -296,7 +298,8 @@ impl Display for Advice {
             ),
             Advice::LetStepConverge { converges } => write!(
                 f,
-                "Take step sizes of {} and below, or make the iteration inside the step converge at larger ones.",
+                "If the step iterates, take step sizes of {} and below, or let it converge at larger ones. Otherwise look at the states that \
+                 only larger steps reach: a limit, a threshold, friction in a region.",
                 size(*converges)
             ),
             Advice::SmallerSteps { deformation } => write!(
@@ -311,7 +314,7 @@ impl Display for Advice {
             ),
             Advice::MoreEvaluations { wanted } => write!(
                 f,
-                "Raise the budget: at most about {wanted} further evaluations would be enough for a verdict."
+                "Raise the budget by about {wanted} evaluations, which the samples seem to need."
             ),
             fixed => f.write_str(fixed.fixed().unwrap_or_default()),
         }
@@ -321,8 +324,14 @@ impl Display for Advice {
 /// The likeliest causes of a defect of this order.
 fn look_for_cause(order: Option<f64>) -> String {
     match order {
-        Some(order) if order.round() >= 2.0 => {
-            let k = order.round();
+        // A slope between two orders names no method.
+        Some(order) if order.round() >= 2.0 && order.fract() != 0.0 => {
+            "Check the method: explicit Runge–Kutta methods, for example, change loop integrals in proportion to h² or a higher power. Use \
+             a symplectic method of the same order. If the method is symplectic, look for a solver or a force that is less accurate \
+             than the step (a force that is not a gradient: `check_force`)."
+                .to_owned()
+        }
+        Some(k) if k >= 2.0 => {
             let methods = match k > 2.0 {
                 true => format!("{} or {}", k - 2.0, k - 1.0),
                 false => "1".to_owned(),

@@ -1253,7 +1253,7 @@ fn what_the_budget_left_out_is_said_with_what_it_would_take() {
     evidence.evaluations.wanted = 640;
     let verdict = judge(&evidence);
     assert_eq!(verdict.kind, Undecided);
-    assert!(verdict.advice()[0].contains("640 further evaluations"));
+    assert!(verdict.advice()[0].contains("about 640 evaluations"));
 }
 
 #[test]

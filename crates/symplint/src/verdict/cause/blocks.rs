@@ -83,7 +83,7 @@ impl Clues<'_> {
                 format!("The step {verb} with friction, or another change of p that depends on p")
             }
             _ => "Stages may use old values of each other, as in explicit Runge–Kutta methods, and in implicit methods after one to \
-                  three fixed-point iterations"
+                  three fixed-point iterations, or momenta are rescaled"
                 .to_owned(),
         };
         let text = format!(
@@ -97,14 +97,14 @@ impl Clues<'_> {
     fn largest_block(&self, blocks: &DefectBlocks) -> Option<Cause> {
         // Without a trend chance decides about the largest block.
         self.slope().filter(|slope| *slope > TREND)?;
-        let [qq, qp, _] = blocks.before.sizes;
-        let [_, other_qp, pp] = blocks.after.sizes;
+        let [qq, qp, other_pp] = blocks.before.sizes;
+        let [other_qq, other_qp, pp] = blocks.after.sizes;
         let (kind, meaning) = match () {
             () if qq > LARGEST * qp && pp > LARGEST * other_qp => (
                 CauseKind::ForceWithCurl,
                 "kicks by a force F(q) that is not a gradient",
             ),
-            () if qp > LARGEST * qq && other_qp > LARGEST * pp => {
+            () if qp > LARGEST * qq.max(other_pp) && other_qp > LARGEST * pp.max(other_qq) => {
                 (CauseKind::PartialFriction, "friction on some momenta")
             }
             () => return None,
@@ -133,7 +133,7 @@ fn remedy(kind: CauseKind) -> &'static str {
         }
         _ => {
             "Iterate until the stages are solved to rounding error. If the method is an explicit Runge–Kutta method, use a symplectic \
-             one of its order, such as a splitting."
+             one of its order, such as a splitting. If the step rescales momenta, to keep the energy or a temperature, leave that out."
         }
     }
 }

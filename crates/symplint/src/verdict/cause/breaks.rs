@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use super::{Cause, CauseKind, Clues};
-use crate::evidence::{BreakSides, CoordinateAtBreak, Evidence, PositionAtBreak};
+use crate::evidence::{BreakSides, CoordinateAtBreak, Evidence, PositionAtBreak, StepEvidence};
 use crate::signal::nearest;
 use crate::text::{loop_name, short, significant};
 use crate::verdict::thresholds::FLICKERING;
@@ -127,15 +127,23 @@ impl Clues<'_> {
         let of = sides.coordinates.first().filter(|of| of.jumps)?;
         let length = of.jump().abs();
         let of_q = of.coordinate == 'q';
-        let loops = self.evidence.loops.iter();
-        let steps = loops.flat_map(|found| found.steps.iter().filter_map(|step| step.jump));
-        let elsewhere: Vec<f64> = (steps.filter(|jump| jump.dof == of.dof))
-            .map(|jump| if of_q { jump.jump_q } else { jump.jump_p })
+        let steps = self.evidence.loops.iter().flat_map(|found| &found.steps);
+        let with_jump = |step: &StepEvidence| Some((step.step_size, step.jump?));
+        let jumps: Vec<_> = (steps.filter_map(with_jump))
+            .filter(|(_, jump)| jump.dof == of.dof)
+            .collect();
+        let elsewhere: Vec<f64> = (jumps.iter())
+            .map(|(_, jump)| if of_q { jump.jump_q } else { jump.jump_p })
             .chain(sides.places.iter().filter(|_| of_q).map(|at| at.jump_q))
             .map(f64::abs)
             .collect();
         let same = |other: &f64| (other - length).abs() <= EQUAL * length;
         if sides.jumping != 1 || elsewhere.len() < 2 || !elsewhere.iter().all(same) {
+            return None;
+        }
+        // Steps of one size do not tell a period from a force that jumps, unless the loop fits into the period.
+        let sizes = jumps.iter().map(|(size, _)| *size);
+        if sizes.clone().all(|size| Some(size) == sizes.clone().next()) && length < of.radius {
             return None;
         }
         let length = plainest(length, of.after);

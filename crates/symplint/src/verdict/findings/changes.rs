@@ -127,8 +127,8 @@ impl Display for ChangeFinding {
                 bound,
             } => write!(
                 f,
-                "The defect of {defect:.1e} {step} is gone {smaller} (|E| ≤ {bound:.1e}), which no power of h explains: the step \
-                 fails to converge {step}, or takes another branch there."
+                "The defect of {defect:.1e} {step} is gone {smaller} (|E| ≤ {bound:.1e}), which no power of h explains: an \
+                 iteration fails to converge {step}, or larger steps reach states at which the step is wrong."
             ),
             ChangeFinding::Law {
                 fit,

@@ -115,7 +115,7 @@ fn fmt_scatter(f: &mut Formatter<'_>, scatter: &Scatter) -> Result {
         ScatterKind::RandomNumbers => write!(
             f,
             "Results of one state differ at random, by {size:.0e} in {coordinate}[{dof}], and rounding is smaller: the step \
-             draws random numbers."
+             draws random numbers, or keeps something from earlier calls."
         ),
     }
 }
