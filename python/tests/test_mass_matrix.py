@@ -53,6 +53,14 @@ def test_one_state_at_a_time_is_the_same():
     assert symplint.check(rk4, *STATE, per_sample=True, **one).kind == symplint.check(rk4, *STATE, **one).kind == "not-symplectic"
 
 
+def test_a_function_of_many_states_gets_no_single_one():
+    def columns(q):
+        coupling = np.cos(q[:, 0] - q[:, 1])
+        return np.moveaxis(np.array([[2.0 + 0.0 * coupling, coupling], [coupling, 1.0 + 0.0 * coupling]]), -1, 0)
+
+    assert symplint.check(rk4, *STATE, mass_matrix=columns, **SIZES).kind == "not-symplectic"
+
+
 def test_a_method_that_is_not_symplectic_is_found():
     def euler(q, v, h):
         dq, dv = rates(q, v)

@@ -194,6 +194,32 @@ fn forces_that_jump_are_named_with_the_place() {
 }
 
 /// Two particles in three dimensions, x, y and z of one and then of the other, with a spring that ends at the distance 1.
+/// Jumps at one step size are all alike, as a period is.
+#[test]
+fn a_force_that_jumps_at_one_step_size_is_no_period() {
+    let force = |q: &[f64]| {
+        let coupling = 0.3 * (q[1] - q[0]).sin();
+        let jumps = |q: f64| -q.sin() + 1e-4 * f64::from(q > 0.15);
+        [jumps(q[0]) + coupling, jumps(q[1]) - coupling]
+    };
+    let map = PerSample::new(2, move |h, q, p| {
+        let kick = |q: &[f64], p: &mut [f64]| {
+            let force = force(q);
+            (0..2).for_each(|i| p[i] += 0.5 * h * force[i]);
+        };
+        kick(q, p);
+        (0..2).for_each(|i| q[i] += h * p[i]);
+        kick(q, p);
+    });
+    let circle = Circle::new(vec![-0.2, -0.2], vec![0.3, 0.5], 0.1).unwrap();
+    let diagnostic = Diagnostic {
+        budget: Some(20_000),
+        ..Diagnostic::default()
+    };
+    let found = diagnostic.run(&map, &circle).unwrap().verdict;
+    cause(&found, CauseKind::ForceJump, &["jumps"]);
+}
+
 #[test]
 fn a_cut_off_between_particles_is_named_with_their_distance() {
     let map = PerSample::new(6, |h, q, p| {

@@ -150,11 +150,15 @@ impl Clues<'_> {
         let (name, value) = (name(of), significant(length));
         let key = if of_q { "period" } else { "momentum_period" };
         let setting = one_of(key, of.dof, sides.dof, length);
+        let others = match sides.dof {
+            1 => "",
+            _ => " State the periods of the other coordinates, too.",
+        };
         let mut cause = Cause::new(
             CauseKind::Period,
             format!("{name} alone jumps, by {value} at every break: it is wrapped into a period."),
             format!(
-                "If {name} is an angle or a position in a periodic box of this length, state it: {setting}."
+                "If {name} is an angle or a position in a periodic box of this length, state it: {setting}.{others}"
             ),
         );
         cause.setting = Some(setting);

@@ -17,8 +17,8 @@ impl Clues<'_> {
             size(fit.to)
         );
         let remedy = "Compare the states before and after a step of a very small size: they should be equal. Look for positions or momenta \
-                      that the step returns in other units than it takes, a factor in every step instead of e^(−γh), and a tolerance \
-                      of a solver.";
+                      that the step returns in other units than it takes, a limit on a coordinate (a clip), a factor in every step instead \
+                      of e^(−γh), and a tolerance of a solver.";
         Some(Cause::new(CauseKind::IndependentOfStepSize, text, remedy))
     }
 
