@@ -35,6 +35,17 @@ fn cause(verdict: &Verdict, kind: CauseKind, words: &[&str]) -> Cause {
     cause
 }
 
+/// A leapfrog step of two degrees of freedom.
+fn leapfrog(h: f64, q: &mut [f64], p: &mut [f64], force: &impl Fn(&[f64]) -> [f64; 2]) {
+    let kick = |q: &[f64], p: &mut [f64]| {
+        let force = force(q);
+        (0..2).for_each(|i| p[i] += 0.5 * h * force[i]);
+    };
+    kick(q, p);
+    (0..2).for_each(|i| q[i] += h * p[i]);
+    kick(q, p);
+}
+
 /// A free flight with what happens at a wall at q = 0.
 fn at_a_wall(reflect: fn(&mut f64, &mut f64)) -> impl TimeAdvance {
     PerSample::new(1, move |h, q, p| {
@@ -203,13 +214,7 @@ fn a_force_that_jumps_at_one_step_size_is_no_period() {
         [jumps(q[0]) + coupling, jumps(q[1]) - coupling]
     };
     let map = PerSample::new(2, move |h, q, p| {
-        let kick = |q: &[f64], p: &mut [f64]| {
-            let force = force(q);
-            (0..2).for_each(|i| p[i] += 0.5 * h * force[i]);
-        };
-        kick(q, p);
-        (0..2).for_each(|i| q[i] += h * p[i]);
-        kick(q, p);
+        leapfrog(h, q, p, &force);
     });
     let circle = Circle::new(vec![-0.2, -0.2], vec![0.3, 0.5], 0.1).unwrap();
     let diagnostic = Diagnostic {
@@ -617,13 +622,7 @@ fn drag_in_a_steep_field_is_friction_and_no_iteration() {
         [0, 1].map(|i| -q[i] / (square * square.sqrt()))
     };
     let drag = PerSample::new(2, move |h, q, p| {
-        let kick = |q: &[f64], p: &mut [f64]| {
-            let force = force(q);
-            (0..2).for_each(|i| p[i] += 0.5 * h * force[i]);
-        };
-        kick(q, p);
-        (0..2).for_each(|i| q[i] += h * p[i]);
-        kick(q, p);
+        leapfrog(h, q, p, &force);
         let factor = 1.0 - 0.01 * h * p[0].hypot(p[1]);
         (0..2).for_each(|i| p[i] *= factor);
     });
