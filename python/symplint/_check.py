@@ -107,9 +107,8 @@ def check(
     step : callable
         ``step(q, p, h)`` gets two arrays of shape (samples, dof), or (samples, *q0.shape) if `q0` has several axes. It returns two new
         arrays, or changes them in place and returns None. Each row is one state. The new state of a row must depend on this row and h
-        only. The arrays are in Fortran order and have 1,
-        4, 16, … or 16384 rows (powers of four), so that JAX compiles few versions. Rows that fill a batch are copies of the last row, and do not
-        count as evaluations. The step may keep the arrays. Results may be arrays of any order and library, including torch and JAX.
+        only. The arrays are in Fortran order and have 1, 4, 16, … or 16384 rows (powers of four), so that JAX compiles few versions.
+        Rows that fill a batch are copies of the last row, and do not count as evaluations. The step may keep the arrays. Results may be arrays of any order and library, including torch and JAX.
         Integrators of `symplint.integrators` run without Python, and so do systems of `symplint.systems` with their default
         integrator. A step of `symplint.adapters` supplies its own centre, weights and step sizes.
     q0, p0 : array_like

@@ -324,23 +324,23 @@ impl Display for Advice {
 /// The likeliest causes of a defect of this order.
 fn look_for_cause(order: Option<f64>) -> String {
     match order {
-        // A slope between two orders names no method.
-        Some(order) if order.round() >= 2.0 && order.fract() != 0.0 => {
-            "Check the method: explicit Runge–Kutta methods, for example, change loop integrals in proportion to h² or a higher power. Use \
-             a symplectic method of the same order. If the method is symplectic, look for a solver or a force that is less accurate \
-             than the step (a force that is not a gradient: `check_force`)."
-                .to_owned()
-        }
-        Some(k) if k >= 2.0 => {
-            let methods = match k > 2.0 {
-                true => format!("{} or {}", k - 2.0, k - 1.0),
-                false => "1".to_owned(),
+        Some(order) if order.round() >= 2.0 => {
+            // A slope between two orders names no method.
+            let [methods, law] = match order {
+                2.0 => ["a Runge–Kutta method of order 1".to_owned(), power_of_h(2.0)],
+                k if k.fract() == 0.0 => [
+                    format!("a Runge–Kutta method of order {} or {}", k - 2.0, k - 1.0),
+                    power_of_h(k),
+                ],
+                _ => [
+                    "an explicit Runge–Kutta method".to_owned(),
+                    "h² or a higher power".to_owned(),
+                ],
             };
             format!(
-                "Check the method: a Runge–Kutta method of order {methods}, for example, changes loop integrals in proportion to {}. Use a \
-                 symplectic method of the same order. If the method is symplectic, look for a solver or a force that is less \
-                 accurate than the step (a force that is not a gradient: `check_force`).",
-                power_of_h(k)
+                "Check the method: {methods}, for example, changes loop integrals in proportion to {law}. Use a symplectic method of \
+                 the same order. If the method is symplectic, look for a solver or a force that is less accurate than the step (a \
+                 force that is not a gradient: `check_force`)."
             )
         }
         Some(order) if order > 0.0 => {

@@ -25,8 +25,8 @@ impl Clues<'_> {
         Some(Cause::new(
             CauseKind::Projection,
             format!(
-                "The step projects: its Jacobian has rank {} of {}, as that of a step which removes the momentum of the centre of mass, \
-                 keeps a constraint, or clips a coordinate.",
+                "The step projects: its Jacobian has rank {} of {}. Steps that remove the momentum of the centre of mass, keep a \
+                 constraint or clip a coordinate do this.",
                 rank.rank, rank.of
             ),
             Advice::LoopOnManifold.to_string(),

@@ -101,16 +101,12 @@ impl Clues<'_> {
                 size(h)
             )
         });
-        // A force on one of two coordinates that has a factor too many is a gradient in other units, and the energy of one is lost.
-        let is_of_weights = matches!(
-            kind,
-            CauseKind::VelocitiesForMomenta | CauseKind::SignOfAPair
-        );
-        let otherwise = match is_of_weights {
-            true => {
+        // If one coordinate feels a force with a wrong factor, other units of its momentum make it a gradient.
+        let otherwise = match kind {
+            CauseKind::VelocitiesForMomenta | CauseKind::SignOfAPair => {
                 " Otherwise, test the force with `check_force`: a coupling with a wrong sign or factor looks the same."
             }
-            false => "",
+            _ => "",
         };
         Some(Cause {
             setting: Some(setting.clone()),
