@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use numpy::PyArray1;
 use pyo3::prelude::*;
+use symplint::error::Dependence;
 use symplint::{Block, Error, StepFailure};
 use symplint_run::Journal;
 
@@ -231,7 +232,10 @@ impl Functions {
         let Some(raised) = self.raised.iter().find(|raised| raised.became(error)) else {
             let by_batch = self.step.as_ref().is_some_and(|step| !step.per_sample);
             return match error {
-                Error::Memory { .. } if by_batch => step_error(py, error, ALONE),
+                Error::Memory {
+                    dependence: Dependence::Either,
+                    ..
+                } if by_batch => step_error(py, error, ALONE),
                 _ => diagnostic_error(py, error),
             };
         };

@@ -81,6 +81,20 @@ pub enum Dependence {
     Either,
 }
 
+impl Dependence {
+    fn remedy(self) -> &'static str {
+        match self {
+            Dependence::EarlierCalls => {
+                ": compute times, forces, neighbour lists and first guesses from these, draw the same random numbers in every call, or \
+                 restore what the step keeps before each call (`reset`)"
+            }
+            Dependence::Either => {
+                " (if it draws random numbers: give every row and every call the same ones)"
+            }
+        }
+    }
+}
+
 impl fmt::Display for Dependence {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
@@ -236,10 +250,10 @@ pub enum Error {
     /// The same state does not always become the same state.
     #[error(
         "the result depends on {dependence}: the state{} has another result {circumstance}, and {coordinate}[{dof}] differs by \
-         {difference:.1e}{}; let a step depend only on h and the state (if it draws random numbers: give every row and every call \
-         the same ones)",
+         {difference:.1e}{}; let a step depend only on h and the state{}",
         match .s { Some(s) => format!(" at s = {s} of the loop"), None => String::new() },
-        with(*.step_size)
+        with(*.step_size),
+        dependence.remedy()
     )]
     Memory {
         /// How it was advanced the second time.

@@ -212,26 +212,7 @@ fn explain(
     };
     let sizes = sizes(evaluator, repeats, &differing);
     let affords = |evaluations: usize| evaluations <= evaluator.count().left();
-    let kind = |sizes: &[f64]| match exceed_rounding(repeats, sizes) {
-        true => ScatterKind::RandomNumbers,
-        false => ScatterKind::Noise,
-    };
-    let unexplained = || {
-        let tolerances = sizes.iter().map(|size| EXPLAINED * size).collect();
-        noise(kind(&sizes), sizes.clone(), tolerances)
-    };
-    let states = repeats.before.samples();
-    if states < 2 || !affords(2 * EVALUATIONS_OF_ROUNDING + scatter::evaluations(states)) {
-        return unexplained();
-    }
-    let other = (worst.state + states / 2) % states;
-    let inside = roundings_inside(evaluator, repeats, [worst.state, other])?;
-    raise(&mut tolerances, &inside);
-    let differing = repeats.mismatches(evaluator, &tolerances);
-    let Some(worst) = largest(&differing) else {
-        return noise(ScatterKind::Rounding, sizes, tolerances);
-    };
-    let depends = |dependence: Dependence| Error::Memory {
+    let depends = |worst: Mismatch, dependence: Dependence| Error::Memory {
         circumstance: repeats.again[worst.again].circumstance,
         dependence,
         s: repeats.s.as_ref().map(|s| s[worst.state]),
@@ -244,26 +225,50 @@ fn explain(
         difference: worst.size,
         step_size: evaluator.stated(repeats.h),
     };
+    let states = repeats.before.samples();
+    let chance = |sizes: Vec<f64>, tolerances: Vec<f64>| {
+        if !exceed_rounding(repeats, &sizes) {
+            return noise(ScatterKind::Noise, sizes, tolerances);
+        }
+        match affords(5 * repeats.order.len()) && remembers(evaluator, repeats)? {
+            true => Err(depends(worst, Dependence::EarlierCalls)),
+            false => noise(ScatterKind::RandomNumbers, sizes, tolerances),
+        }
+    };
+    let unexplained = || {
+        let tolerances = sizes.iter().map(|size| EXPLAINED * size).collect();
+        chance(sizes.clone(), tolerances)
+    };
+    if states < 2 || !affords(2 * EVALUATIONS_OF_ROUNDING + scatter::evaluations(states)) {
+        return unexplained();
+    }
+    let other = (worst.state + states / 2) % states;
+    let inside = roundings_inside(evaluator, repeats, [worst.state, other])?;
+    raise(&mut tolerances, &inside);
+    let differing = repeats.mismatches(evaluator, &tolerances);
+    let Some(worst) = largest(&differing) else {
+        return noise(ScatterKind::Rounding, sizes, tolerances);
+    };
     match repetitions(evaluator, repeats, worst.state, &tolerances)? {
-        Repetitions::Depend(dependence) => return Err(depends(dependence)),
+        Repetitions::Depend(dependence) => return Err(depends(worst, dependence)),
         Repetitions::Scatter(scatters) => {
             let explained: Vec<f64> = scatters.iter().map(|size| EXPLAINED * size).collect();
             raise(&mut tolerances, &explained);
             if worst.size <= explained[worst.coordinate] {
-                return noise(kind(&scatters), scatters, tolerances);
+                return chance(scatters, tolerances);
             }
         }
     }
     let again = &repeats.again[worst.again];
     let rows = repeats.order.len() + again.order.len();
     if affords(rows) && comes_again(evaluator, repeats, &differing, worst.again, &tolerances)? {
-        return Err(depends(Dependence::Either));
+        return Err(depends(worst, Dependence::Either));
     }
     if affords(8 * repeats.order.len()) && follows_order(evaluator, repeats, &tolerances)? {
-        return Err(depends(Dependence::Either));
+        return Err(depends(worst, Dependence::Either));
     }
     if affords(2 * states) && has_changed(evaluator, repeats, &tolerances)? {
-        return Err(depends(Dependence::EarlierCalls));
+        return Err(depends(worst, Dependence::EarlierCalls));
     }
     unexplained()
 }
@@ -368,6 +373,48 @@ fn follows_order(
     Ok(twice >= ROWS_IN_ORDER && 2 * twice >= once)
 }
 
+/// Whether the results of a batch settle if it follows its reverse again and again, and differ if it follows itself. Random numbers do
+/// not settle: of two differences, the later one is half as large by chance only.
+fn remembers(evaluator: &Evaluator<'_>, repeats: &Repeats) -> Result<bool, Error> {
+    let forward = repeats.whole_batch();
+    let reversed: Vec<usize> = (0..forward.samples()).rev().collect();
+    let backward = in_order(&forward, &reversed);
+    let advance = |states: &Ensemble| -> Result<Ensemble, Error> {
+        let mut states = states.clone();
+        evaluator.advance(&mut states, repeats.h)?;
+        Ok(states)
+    };
+    // In units of the rounding of each coordinate.
+    let roundings = repeats.roundings();
+    let difference = |a: &Ensemble, b: &Ensemble| {
+        let of = |c: usize| {
+            let pairs = coordinate(a, c).iter().zip(coordinate(b, c));
+            let largest = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            if largest > 0.0 {
+                largest / roundings[c]
+            } else {
+                0.0
+            }
+        };
+        (0..roundings.len()).map(of).fold(0.0, f64::max)
+    };
+    let after_reverse = || advance(&backward).and_then(|_| advance(&forward));
+    let cost = 3 * forward.samples();
+    let (mut settled, mut moved) = (after_reverse()?, f64::INFINITY);
+    while moved > 1.0 {
+        if cost > evaluator.count().left() {
+            return Ok(false);
+        }
+        let now = after_reverse()?;
+        let by = difference(&now, &settled);
+        if by >= 0.5 * moved {
+            return Ok(false);
+        }
+        (settled, moved) = (now, by);
+    }
+    Ok(difference(&advance(&forward)?, &settled) > 1.0)
+}
+
 /// Whether a third of the states, and two at least, have another result now than they had at first, and keep it.
 fn has_changed(
     evaluator: &Evaluator<'_>,
@@ -394,6 +441,7 @@ mod tests {
     use crate::loops::Circle;
     use crate::map::{EvaluationCount, PerSample, StepFailure, TimeAdvance};
     use crate::state::Block;
+    use std::sync::Mutex;
     use std::sync::atomic::{AtomicU64, Ordering};
 
     fn verdict(map: &dyn TimeAdvance) -> Result<Option<Noise>, Error> {
@@ -500,6 +548,54 @@ mod tests {
             for size in [1e-12, 1e-9, 1e-6] {
                 let found = verdict(&pendulum(size, error));
                 assert!(matches!(found, Err(Error::Memory { .. })), "{found:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn forces_kept_from_the_last_batch_are_a_memory() {
+        struct Leapfrog {
+            forces: Mutex<Vec<f64>>,
+        }
+        impl TimeAdvance for Leapfrog {
+            fn dof(&self) -> usize {
+                1
+            }
+            fn advance(&self, h: f64, block: &mut Block<'_>) -> Result<(), StepFailure> {
+                let mut forces = self.forces.lock().unwrap();
+                let (q, p) = (block.q.row_mut(0), block.p.row_mut(0));
+                if forces.len() != q.len() {
+                    *forces = q.iter().map(|q| -q.sin()).collect();
+                }
+                for ((q, p), force) in q.iter_mut().zip(p).zip(&mut *forces) {
+                    *p += 0.5 * h * *force;
+                    *q += h * *p;
+                    *force = -q.sin();
+                    *p += 0.5 * h * *force;
+                }
+                Ok(())
+            }
+        }
+        let found = verdict(&Leapfrog {
+            forces: Mutex::default(),
+        });
+        let Err(Error::Memory { dependence, .. }) = found else {
+            panic!("{found:?}");
+        };
+        assert_eq!(dependence, Dependence::EarlierCalls);
+        // Random numbers of this size are none, one for each row or one for all.
+        for rows in [1, 16] {
+            for seed in 0..200 {
+                let map = pendulum(0.1, |count, _| scrambled(count / rows + 4096 * seed));
+                let found = verdict(&map);
+                let remembers = matches!(
+                    found,
+                    Err(Error::Memory {
+                        dependence: Dependence::EarlierCalls,
+                        ..
+                    })
+                );
+                assert!(!remembers, "{rows}, {seed}: {found:?}");
             }
         }
     }
