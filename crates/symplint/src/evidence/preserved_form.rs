@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::signal::SIGNIFICANT;
+
 /// The search for a constant two-form Ω that a step preserves: MᵀΩM = Ω for its Jacobian M at every state.
 ///
 /// Coordinates are counted from 0, all positions first, then all momenta, as the map has them: without weights.
@@ -89,6 +91,11 @@ pub(crate) fn monomial(powers: [u8; 3], q: impl Fn(usize) -> f64) -> f64 {
 }
 
 impl FormOnLoop {
+    /// Whether the preserved form changes after all.
+    pub(crate) fn is_significant(&self) -> bool {
+        self.preserved[0].abs() > SIGNIFICANT * self.preserved[1]
+    }
+
     /// The largest change that the preserved form may have.
     pub(crate) fn bound(&self) -> f64 {
         self.preserved[0].abs() + self.preserved[1]

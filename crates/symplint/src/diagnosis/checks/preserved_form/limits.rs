@@ -76,7 +76,7 @@ pub(super) const COINCIDENCE_OF_MEAN: f64 = 1.5;
 pub(super) const FURTHER_DIGITS: f64 = 2.0;
 
 /// Digits to which a matrix may be rounded. Conventional: people choose numbers with fewer digits, and more digits look like all.
-pub(super) const FEWEST_DIGITS_OF_MATRIX: i32 = 3;
+pub(super) const FEWEST_DIGITS_OF_MATRIX: i32 = 2;
 pub(super) const MOST_DIGITS_OF_MATRIX: i32 = 11;
 
 /// Entries that are tried as units.

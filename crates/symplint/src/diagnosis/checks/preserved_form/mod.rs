@@ -97,27 +97,51 @@ impl Runner<'_> {
                 (found.exists, found.change) = (Some(false), Some(change));
             }
             Fit::Preserved(entries) => {
-                let size = given.size.radius.concat();
-                let entries = rounded::in_coordinates(&entries, &size);
-                let is_known = |entries: &[FormEntry], error: f64| {
-                    entries.iter().all(|entry| entry.relative_error() <= error)
-                };
-                let entries = match is_known(&entries, LARGEST_ERROR_OF_JACOBIAN) {
-                    true => self.refined(subject, given, entries)?,
-                    false => entries,
-                };
-                if is_known(&entries, LARGEST_ERROR)
-                    && fit::holds(&images, dof, &rounded::in_units(&entries, &size))
-                {
-                    found.loops = self.on_loops(subject, given, &entries)?;
+                if let Some((entries, loops)) = self.form(subject, given, &images, &entries)? {
                     found.exists = Some(true);
                     found.groups = entries.iter().map(|of| of.group + 1).max().unwrap_or(0);
-                    found.entries = entries;
+                    (found.entries, found.loops) = (entries, loops);
                 }
             }
         }
         self.evidence.preserved_form = Some(found);
         Ok(())
+    }
+
+    /// A form that fits the Jacobians, in the coordinates of the map with as many digits as it is known to, and its changes on loops. `None`
+    /// if the Jacobian at another state does not confirm it.
+    fn form(
+        &self,
+        subject: Subject<'_>,
+        given: &GivenLoop<'_>,
+        images: &[TangentImages],
+        of_fit: &[Entry],
+    ) -> Result<Option<(Vec<FormEntry>, Vec<FormOnLoop>)>, Error> {
+        let (dof, size) = (subject.dof(), given.size.radius.concat());
+        let is_known = |entries: &[FormEntry], error: f64| {
+            entries.iter().all(|entry| entry.relative_error() <= error)
+        };
+        let holds = |entries: &[FormEntry]| {
+            is_known(entries, LARGEST_ERROR)
+                && fit::holds(images, dof, &rounded::in_units(entries, &size))
+        };
+        let exact = rounded::in_coordinates(of_fit, &size);
+        if !is_known(&exact, LARGEST_ERROR_OF_JACOBIAN) {
+            return Ok(None);
+        }
+        let (chosen, is_short) = rounded::rounded(&exact, dof, None);
+        // Numbers that a person may have chosen are those of the map if loops show no change of their form.
+        if is_short && holds(&chosen) {
+            let loops = self.on_loops(subject, given, &chosen)?;
+            if !loops.iter().any(FormOnLoop::is_significant) {
+                return Ok(Some((chosen, loops)));
+            }
+        }
+        let entries = self.refined(subject, given, exact)?.unwrap_or(chosen);
+        Ok(match holds(&entries) {
+            true => Some((entries.clone(), self.on_loops(subject, given, &entries)?)),
+            false => None,
+        })
     }
 
     /// The images of tangent vectors at several states: those that the Jacobian has, and as many further ones as are needed. `None` if the
@@ -168,21 +192,20 @@ impl Runner<'_> {
         Ok(Some(images))
     }
 
-    /// The entries rounded, with as many digits as further random loops give them if they are not numbers that a person chose.
+    /// The entries with as many digits as further random loops give them; `None` if the budget does not allow loops.
     fn refined(
         &self,
         subject: Subject<'_>,
         given: &GivenLoop<'_>,
         entries: Vec<FormEntry>,
-    ) -> Result<Vec<FormEntry>, Error> {
-        let (round, is_short) = rounded::rounded(&entries, subject.dof(), None);
+    ) -> Result<Option<Vec<FormEntry>>, Error> {
         let groups = entries.iter().map(|of| of.group + 1).max().unwrap_or(0);
         let affordable = self.count.left() / FEW_SAMPLES;
         let loops = (entries.len() - groups)
             .min(MOST_REFINING)
             .min(affordable.saturating_sub(2));
-        if is_short || loops == 0 {
-            return Ok(round);
+        if loops == 0 {
+            return Ok(None);
         }
         let mut changes = Vec::new();
         for k in 0..loops {
@@ -194,10 +217,8 @@ impl Runner<'_> {
         }
         let resolutions = changes.iter().map(|of| of.uncertainty / of.scale);
         let resolution = resolutions.reduce(f64::min);
-        Ok(match refine::refined(&entries, &changes) {
-            Some(refined) => rounded::rounded(&refined, subject.dof(), resolution).0,
-            None => round,
-        })
+        let refined = refine::refined(&entries, &changes);
+        Ok(refined.map(|refined| rounded::rounded(&refined, subject.dof(), resolution).0))
     }
 
     /// The changes of integrals of the form round the given loop and a random one.
