@@ -29,6 +29,9 @@ pub(super) const GRAINS_ROUND: f64 = 2.0;
 /// less than 50,000 evaluations; more gain a digit for each hundredfold.
 pub(super) const MOST_ROUNDED: f64 = 2048.0;
 
+/// The part of the evaluations made so far that the blocks of a defect may take. Conventional: they name its cause.
+pub(super) const BLOCKS_PART: usize = 2;
+
 /// The part of the evaluations made so far that a second step size of the Jacobian may take.
 pub(super) const DECAY_PART: usize = 15;
 

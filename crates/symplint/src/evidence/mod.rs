@@ -29,8 +29,8 @@ pub use step::{Closing, JumpingCells, StepEvidence, Wrap};
 pub(crate) use step::{MOST_CELLS_APART, UNEXPLAINED, WEAKEST_BOUND};
 pub use structure::{EnergyAtStep, EnergyChange, ReturnDefect, StructureEvidence};
 pub use survey::{
-    OutputFormat, OutputPrecision, Rank, Scatter, ScatterKind, SingularJacobian, Survey,
-    WrongPeriod,
+    HeldCoordinate, OutputFormat, OutputPrecision, Rank, Scatter, ScatterKind, SingularJacobian,
+    Survey, WrongPeriod,
 };
 
 use serde::{Deserialize, Serialize};

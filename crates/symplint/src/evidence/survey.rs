@@ -16,6 +16,9 @@ pub struct Survey {
     /// Whether all samples of the given loop came out at one state.
     #[serde(default)]
     pub one_state: bool,
+    /// A coordinate that the largest step sets to one value at some samples of the given loop.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub held: Option<HeldCoordinate>,
     /// The relative rounding error of the states, if it was stated and is above that of double precision.
     #[serde(default)]
     pub stated_roundoff: Option<f64>,
@@ -36,6 +39,19 @@ pub struct Survey {
     /// A stated period that is not one of the map: no random loop winds round it.
     #[serde(default)]
     pub wrong_period: Option<WrongPeriod>,
+}
+
+/// A coordinate that has one value after the step, to the last bit, at states which differ before it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct HeldCoordinate {
+    /// `'q'` or `'p'`.
+    pub coordinate: char,
+    /// Degree of freedom.
+    pub dof: usize,
+    /// The value.
+    pub value: f64,
+    /// The part of the samples, next to each other, that have it.
+    pub part: f64,
 }
 
 /// A stated period P that is not one of the map: Φ(q + P, p) differs from Φ(q, p) + (P, 0).

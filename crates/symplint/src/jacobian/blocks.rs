@@ -89,6 +89,7 @@ pub(super) fn together(points: &[PointVolume], dof: usize) -> Option<DefectBlock
     let found = DefectBlocks {
         before: side(0),
         after: side(1),
+        across_time: None,
     };
     (dof > 1 && found.before.largest() > 0.0).then_some(found)
 }

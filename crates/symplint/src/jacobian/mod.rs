@@ -27,6 +27,7 @@ mod richardson;
 mod sampler;
 mod tangent_check;
 mod tangents;
+mod time;
 mod volume;
 
 pub(crate) use columns::TangentImages;
@@ -198,6 +199,10 @@ impl JacobianTest {
                     .reduce(f64::max);
             }
         }
+        let mut blocks = blocks::together(&volumes, dof);
+        if let (Some(blocks), Some(_)) = (&mut blocks, evaluator.stated(h)) {
+            blocks.across_time = time::across_time(&mut sampler, &images)?;
+        }
         let found = JacobianEvidence {
             step_size: evaluator.stated(h),
             loop_index: 0,
@@ -209,7 +214,7 @@ impl JacobianTest {
             bound,
             bounds_of_groups: bounds_of_groups(&outcomes, groups.len().max(1)),
             volume: PointVolume::together(&volumes, method),
-            blocks: blocks::together(&volumes, dof),
+            blocks,
             deformation: (outcomes.iter().map(|o| o.deformation)).fold(0.0, f64::max),
             noise: sampler.largest_noise(),
             evaluations: sampler.made(),

@@ -1,5 +1,6 @@
 //! Properties of a map that a few samples show, apart from loop integrals.
 
+mod held;
 mod motion;
 mod precision;
 mod windings;
@@ -8,10 +9,11 @@ pub(crate) use precision::of_grain;
 pub(crate) use windings::wound;
 
 use crate::error::Error;
-use crate::evidence::{FEWEST_SAMPLES, Motion, OutputPrecision};
+use crate::evidence::{FEWEST_SAMPLES, HeldCoordinate, Motion, OutputPrecision};
 use crate::loops::FEW_SAMPLES;
 use crate::rules::Subject;
 use crate::state::{Coordinates, Ensemble};
+use held::Held;
 use motion::Motions;
 use precision::Precision;
 
@@ -65,11 +67,14 @@ pub(crate) struct SampleSurvey {
     pub output_precision: Option<OutputPrecision>,
     /// Whether all samples came out at one state.
     pub one_state: bool,
+    /// A coordinate that the step sets to one value at some of them.
+    pub held: Option<HeldCoordinate>,
 }
 
 struct SurveySums {
     motions: Motions,
     precision: Precision,
+    held: Held,
 }
 
 impl SurveySums {
@@ -77,12 +82,14 @@ impl SurveySums {
         SurveySums {
             motions: Motions::new(dof),
             precision: Precision::new(dof),
+            held: Held::new(dof),
         }
     }
 
     fn add(&mut self, subject: Subject<'_>, before: &Ensemble, after: &Ensemble) {
         self.motions.add(before, after, subject.coordinates());
         self.precision.add(before, after);
+        self.held.add(before, after);
     }
 
     fn seen(&self, subject: Subject<'_>) -> SampleSurvey {
@@ -90,6 +97,7 @@ impl SurveySums {
             motion: self.motions.value(subject.coordinates()),
             output_precision: self.precision.value(),
             one_state: self.precision.is_one_state(),
+            held: self.held.value(),
         }
     }
 }

@@ -31,7 +31,7 @@ pub enum Advice {
     OrderOfSamples,
     /// Take more samples of a loop for another code.
     MoreSamplesOfFile,
-    /// Use a smoother interpolation.
+    /// Make a force continuous that jumps.
     SmootherForce,
     /// Tighten the tolerance of a solver inside the map.
     TightenSolver,
@@ -169,7 +169,8 @@ impl Advice {
                 "Take more samples, four times as many or more: a jump keeps its size, a steep slope fades."
             }
             Advice::SmootherForce => {
-                "Use a smoother interpolation: a force that is continuous where particles cross cells."
+                "If a force jumps between cells, at a cut-off or at a switch, make it continuous: interpolation of higher order, a \
+                 smooth switch."
             }
             Advice::TightenSolver => "If a solver inside the map stops at a tolerance, tighten it.",
             Advice::StateStepSizes => "State the step sizes to learn the order.",

@@ -47,6 +47,7 @@ impl Runner<'_> {
             )
         });
         self.evidence.survey.one_state = seen.one_state;
+        self.evidence.survey.held = seen.held;
         let of_grain = || survey::of_grain(&*subject.evaluator.grain()?);
         self.evidence.survey.output_precision = seen.output_precision.or_else(of_grain);
 

@@ -1,10 +1,10 @@
 //! The Jacobian of a step.
 
 use super::{GivenLoop, Runner, failed};
-use crate::diagnosis::limits::{CLEAR_OF_METHOD, DECAY_PART};
+use crate::diagnosis::limits::{BLOCKS_PART, CLEAR_OF_METHOD, DECAY_PART};
 use crate::error::Error;
 use crate::evidence::{Check, FEWEST_OF_A_LAW, LoopEvidence, NARROWEST_RANGE, Why};
-use crate::jacobian::{JacobianDecay, JacobianEvidence, JacobianTest};
+use crate::jacobian::{DefectBlocks, JacobianDecay, JacobianEvidence, JacobianTest};
 use crate::loops::FEW_SAMPLES;
 use crate::map::LoopSize;
 use crate::rules::Subject;
@@ -46,8 +46,11 @@ impl Runner<'_> {
                 };
                 let s = parameters(test.points);
                 match test.run_keeping(evaluator, phase_loop, &given.size, self.largest, s) {
-                    Ok((found, images)) => {
+                    Ok((mut found, images)) => {
                         self.images = images;
+                        if found.blocks.is_none() {
+                            found.blocks = self.blocks(&test, subject, &given.size, &found);
+                        }
                         self.evidence.jacobian_decay =
                             self.jacobian_decay(&test, subject, &given.size, &found);
                         self.evidence.jacobian = Some(found);
@@ -58,6 +61,43 @@ impl Runner<'_> {
             }
         }
         Ok(())
+    }
+
+    /// The blocks of the defect at the worst point, if random tangent vectors showed it and all unit vectors are within the evaluations
+    /// that a witness may take.
+    fn blocks(
+        &self,
+        test: &JacobianTest,
+        subject: Subject<'_>,
+        size: &LoopSize,
+        found: &JacobianEvidence,
+    ) -> Option<DefectBlocks> {
+        let (_, worst) = found.worst_point().filter(|_| found.shows_defect())?;
+        let (dof, has_tangent) = (subject.dof(), subject.evaluator.has_tangent());
+        let one = JacobianTest {
+            points: 1,
+            full_up_to: dof,
+            ..*test
+        };
+        let left = self.left_for_features(dof);
+        let cost = one.evaluations(dof, has_tangent) + JacobianTest::ALONG_TIME;
+        if found.full || found.projected || cost > left.min(self.count.made() / BLOCKS_PART) {
+            return None;
+        }
+        let one = JacobianTest {
+            budget: cost,
+            ..one
+        };
+        // A witness that fails is not missed.
+        let at = vec![worst.s];
+        let full = one.run_at(
+            subject.evaluator,
+            subject.phase_loop,
+            size,
+            self.largest,
+            at,
+        );
+        full.ok()?.blocks
     }
 
     /// The defect of the Jacobian at a second step size. If the loops may have an order, at the smallest step size at which

@@ -6,6 +6,7 @@
 
 use super::{Cause, CauseKind, Clues};
 use crate::jacobian::DefectBlocks;
+use crate::text::one_digit;
 use crate::verdict::findings::blocks_text;
 use crate::verdict::slope::{slope_of, slope_of_jacobian};
 use crate::verdict::thresholds::TREND;
@@ -17,6 +18,10 @@ pub(super) const OF_A_MODEL: f64 = 1.5;
 /// A block is the largest one if others are smaller by this factor. Conventional: the motion in a step, by which other blocks differ from
 /// it, is less than this part of a radian.
 const LARGEST: f64 = 2.0;
+
+/// Only the length of the step differs from state to state if this part of the defect is left across the trajectories. Conventional:
+/// three digits.
+const LEFT: f64 = 1e-3;
 
 impl Clues<'_> {
     /// The slope of the defect against the step size, if it is known.
@@ -34,6 +39,23 @@ impl Clues<'_> {
         }
     }
 
+    /// Only the length of the step differs from state to state.
+    pub(super) fn own_step_length(&self) -> Option<Cause> {
+        let blocks = self.evidence.jacobian.as_ref()?.blocks.as_ref()?;
+        let left = blocks.across_time.filter(|left| *left <= LEFT)?;
+        Some(Cause::new(
+            CauseKind::ChosenStepLength,
+            format!(
+                "The Jacobian differs from a symplectic one only along the trajectories (to {} of the defect): the step moves each \
+                 state by its own length of time, which depends on the state.",
+                one_digit(left)
+            ),
+            "Give all states the same step size. If the step has to be short at some places, advance the equations in another time: \
+             with h = τ·g(q, p), the Hamiltonian g·(H − H₀) has the same trajectories (Poincaré's transformation), and a symplectic \
+             method with fixed τ conserves its areas.",
+        ))
+    }
+
     /// The part of the step that the blocks of the defect show.
     pub(super) fn part_of_step(&self) -> Option<Cause> {
         let blocks = self.evidence.jacobian.as_ref()?.blocks.as_ref()?;
@@ -42,12 +64,10 @@ impl Clues<'_> {
         // In other variables blocks are others.
         let form = self.evidence.preserved_form.as_ref();
         let no_form = form.is_some_and(|form| form.exists == Some(false));
-        // If the search for a form has no result, other variables may explain a kick, but no change of momenta by themselves.
-        let may_be_friction = form.is_some_and(|form| form.exists.is_none())
-            && slope.is_some_and(|slope| slope < OF_A_MODEL);
-        if of_model && !no_form && !may_be_friction {
-            return None;
-        }
+        // If the search for a form has no result, other variables may explain a kick, as momenta in a magnetic field do, but no drift, and
+        // no change of momenta by themselves.
+        let is_unknown = form.is_some_and(|form| form.exists.is_none());
+        let may_be_friction = is_unknown && slope.is_some_and(|slope| slope < OF_A_MODEL);
         let sides = [(&blocks.after, true), (&blocks.before, false)];
         let found = sides.into_iter().find_map(|(side, is_end)| {
             let mut is_zero = side.zeros();
@@ -67,7 +87,13 @@ impl Clues<'_> {
         let Some((kind, side, is_end)) = found else {
             return self.largest_block(blocks).filter(|_| of_model && no_form);
         };
-        if of_model && !no_form && kind != CauseKind::PartialFriction {
+        let is_shown = match kind {
+            _ if !of_model || no_form => true,
+            CauseKind::PartialFriction => may_be_friction,
+            CauseKind::VelocityWithCurl => is_unknown,
+            _ => false,
+        };
+        if !is_shown {
             return None;
         }
         let (matrix, verb) = match is_end {
@@ -80,7 +106,7 @@ impl Clues<'_> {
                 format!("The step {verb} with a drift by a velocity v(p) that is not a gradient")
             }
             CauseKind::PartialFriction => {
-                format!("The step {verb} with friction, or another change of p that depends on p")
+                format!("The step {verb} with friction, or another change of p that depends on p, or of q on q")
             }
             _ => "Stages may use old values of each other, as in explicit Runge–Kutta methods, and in implicit methods after one to \
                   three fixed-point iterations, or momenta are rescaled"
@@ -97,17 +123,27 @@ impl Clues<'_> {
     fn largest_block(&self, blocks: &DefectBlocks) -> Option<Cause> {
         // Without a trend chance decides about the largest block.
         self.slope().filter(|slope| *slope > TREND)?;
-        let [qq, qp, other_pp] = blocks.before.sizes;
-        let [other_qq, other_qp, pp] = blocks.after.sizes;
-        let (kind, meaning) = match () {
-            () if qq > LARGEST * qp && pp > LARGEST * other_qp => (
+        // At the end of a step, positions and momenta change their parts.
+        let [before, mut after] = [blocks.before.sizes, blocks.after.sizes];
+        after.reverse();
+        let is_largest = |block: usize| {
+            [before, after].iter().all(|sizes| {
+                let others = (0..3).filter(|&other| other != block);
+                others
+                    .into_iter()
+                    .all(|other| sizes[block] > LARGEST * sizes[other])
+            })
+        };
+        let (kind, meaning) = match (0..3).find(|&block| is_largest(block))? {
+            0 => (
                 CauseKind::ForceWithCurl,
                 "kicks by a force F(q) that is not a gradient",
             ),
-            () if qp > LARGEST * qq.max(other_pp) && other_qp > LARGEST * pp.max(other_qq) => {
-                (CauseKind::PartialFriction, "friction on some momenta")
-            }
-            () => return None,
+            1 => (CauseKind::PartialFriction, "friction on some momenta"),
+            _ => (
+                CauseKind::VelocityWithCurl,
+                "drifts by a velocity v(p) that is not a gradient",
+            ),
         };
         let text = format!(
             "The largest blocks of the defect are those of {meaning}: MᵀJM − J: {}; Poisson brackets after the step: {}.",
@@ -128,8 +164,9 @@ fn remedy(kind: CauseKind) -> &'static str {
             "Test how positions are advanced: dq/dt has to be the gradient of a kinetic energy in p, with a symmetric mass matrix."
         }
         CauseKind::PartialFriction => {
-            "Look for friction, a thermostat, a filter or a limit on these momenta, and for momenta that the step rescales. With friction \
-             on purpose, the step is not symplectic."
+            "Look for friction, a thermostat, a filter or a limit on these momenta, for momenta that the step rescales, and for masses that \
+             depend on q or p: velocities are no momenta then (`mass_matrix`), and the force needs its part −∂T/∂q (`check_field`). With \
+             friction on purpose, the step is not symplectic."
         }
         _ => {
             "Iterate until the stages are solved to rounding error. If the method is an explicit Runge–Kutta method, use a symplectic \

@@ -3,9 +3,11 @@
 use std::f64::consts::{PI, TAU};
 
 use super::{Cause, CauseKind, Clues};
-use crate::evidence::{BreakSides, CoordinateAtBreak, Evidence, PositionAtBreak, StepEvidence};
+use crate::breaks::Break;
+use crate::evidence::{BreakSides, CoordinateAtBreak, Evidence, PositionAtBreak};
 use crate::signal::nearest;
 use crate::text::{loop_name, short, significant};
+use crate::verdict::findings::{degrees_of_freedom, listed};
 use crate::verdict::thresholds::FLICKERING;
 
 /// Values that should be equal may differ by this part of what they are compared with. Conventional: far above rounding and the
@@ -19,6 +21,10 @@ const OF_EXPONENT: f64 = 0.4;
 /// One side of a break that lies on the trajectory of the other is met to this part of the jump. Conventional: a step along the flow
 /// is made in four parts, and the direction of a jump is random otherwise.
 const ON_TRAJECTORY: f64 = 0.02;
+
+/// The jumps of q and p that a force makes have ratios Δq/Δp of one sign, which differ by less than this factor from break to break: the
+/// time from a kick to the end of the step, over the mass. Conventional: a step has few kicks.
+const OF_RATIOS: f64 = 10.0;
 
 /// How the jumps of a loop depend on the step size: the exponents of h.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -65,6 +71,17 @@ fn is_about(exponent: f64, whole: f64) -> bool {
 }
 
 impl Clues<'_> {
+    /// All breaks that are known, with their step sizes.
+    fn jumps(&self) -> impl Iterator<Item = (Option<f64>, Break)> {
+        let of_steps = || {
+            let steps = self.evidence.loops.iter().flat_map(|found| &found.steps);
+            steps.filter_map(|step| Some((step.step_size, step.jump?)))
+        };
+        let breaks = self.evidence.breaks.iter();
+        let breaks = breaks.map(|at| (at.step_size, at.found));
+        of_steps().chain(breaks.filter(move |of| of_steps().all(|other| other != *of)))
+    }
+
     fn sides(&self) -> Option<&BreakSides> {
         self.evidence.break_sides.as_ref()
     }
@@ -105,20 +122,13 @@ impl Clues<'_> {
         let sides = self.sides()?;
         let of = (sides.coordinates.iter()).find(|of| of.constant[0] != of.constant[1])?;
         let side = usize::from(of.constant[1]);
-        let name = name(of);
-        Some(Cause::new(
-            CauseKind::Clipped,
-            format!(
-                "{}, {name} = {} after the step at all states, though they differ before it: {name} is clipped or set there, \
-                 and the area of these states is lost (det DΦ = 0).",
-                place(sides, side),
-                significant(of.after[side])
-            ),
-            format!(
-                "Find where the step sets {name}: a wall, an absorbing boundary, a clamp. Move the loop away from it, until no state \
-                 reaches it in the largest step, or reflect the particle instead (q → 2·wall − q, p → −p).",
-            ),
-        ))
+        let states = format!(
+            "{}, {} = {} after the step at all states",
+            place(sides, side),
+            name(of),
+            significant(of.after[side])
+        );
+        Some(Cause::clipped(&states, of.coordinate, of.dof))
     }
 
     /// One coordinate jumps, by the same length everywhere.
@@ -127,9 +137,7 @@ impl Clues<'_> {
         let of = sides.coordinates.first().filter(|of| of.jumps)?;
         let length = of.jump().abs();
         let of_q = of.coordinate == 'q';
-        let steps = self.evidence.loops.iter().flat_map(|found| &found.steps);
-        let with_jump = |step: &StepEvidence| Some((step.step_size, step.jump?));
-        let jumps: Vec<_> = (steps.filter_map(with_jump))
+        let jumps: Vec<_> = (self.jumps())
             .filter(|(_, jump)| jump.dof == of.dof)
             .collect();
         let elsewhere: Vec<f64> = (jumps.iter())
@@ -146,23 +154,43 @@ impl Clues<'_> {
         if sizes.clone().all(|size| Some(size) == sizes.clone().next()) && length < of.radius {
             return None;
         }
+        let dofs: Vec<usize> = (0..sides.dof)
+            .filter(|&dof| dof == of.dof || self.jumps_by(of.coordinate, dof, length))
+            .collect();
         let length = plainest(length, of.after);
-        let (name, value) = (name(of), significant(length));
         let key = if of_q { "period" } else { "momentum_period" };
-        let setting = one_of(key, of.dof, sides.dof, length);
-        let others = match sides.dof {
-            1 => "",
-            _ => " State the periods of the other coordinates, too.",
+        let setting = setting_of(key, &dofs, sides.dof, length);
+        let others = match dofs.len() == sides.dof {
+            true => "",
+            false => " State the periods of the other coordinates, too.",
+        };
+        let names = listed(dofs.iter().map(|dof| format!("{}[{dof}]", of.coordinate)));
+        let value = significant(length);
+        let (jump, is, it_is, or_a) = match dofs.len() {
+            1 => ("alone jumps", "is an angle", "it is", "or a position"),
+            _ => ("jump one by one", "are angles", "they are", "or positions"),
         };
         let mut cause = Cause::new(
             CauseKind::Period,
-            format!("{name} alone jumps, by {value} at every break: it is wrapped into a period."),
+            format!("{names} {jump}, by {value} at every break: {it_is} wrapped into a period."),
             format!(
-                "If {name} is an angle or a position in a periodic box of this length, state it: {setting}.{others}"
+                "If {names} {is} {or_a} in a periodic box of this length, state it: {setting}.{others}"
             ),
         );
         cause.setting = Some(setting);
         Some(cause)
+    }
+
+    /// Whether this coordinate alone jumps by this length at a break of a loop.
+    fn jumps_by(&self, coordinate: char, dof: usize, length: f64) -> bool {
+        self.jumps().any(|(_, found)| {
+            let (jump, other) = match coordinate {
+                'q' => (found.jump_q, found.jump_p),
+                _ => (found.jump_p, found.jump_q),
+            };
+            let is_alone = other.abs() <= EQUAL * length;
+            found.dof == dof && is_alone && (jump.abs() - length).abs() <= EQUAL * length
+        })
     }
 
     /// A momentum changes its sign where its position does not jump.
@@ -285,22 +313,51 @@ impl Clues<'_> {
         Some(Cause::new(CauseKind::ForceJump, text, remedy))
     }
 
-    /// All coordinates jump, the less the smaller the step.
+    /// All coordinates jump, the less the smaller the step, or in ratios that no force makes.
     pub(super) fn choice_inside(&self) -> Option<Cause> {
         let sides = self.sides()?;
-        let law = self.law?;
-        let exponent = law.q.min(law.p);
-        if sides.jumping < 2 || exponent < 1.0 + OF_EXPONENT || !exponent.is_finite() {
-            return None;
-        }
+        let exponent = self.law.map(|law| law.q.min(law.p));
+        let is_error =
+            exponent.is_some_and(|exponent| exponent >= 1.0 + OF_EXPONENT && exponent.is_finite());
+        let how = match exponent {
+            _ if sides.jumping < 2 => return None,
+            Some(exponent) if is_error => format!(
+                "q and p jump together, like h^{exponent:.1}: less than a step moves them, as an error of the method does"
+            ),
+            _ => {
+                let [least, most] = self.ratios().filter(|[least, most]| {
+                    least * most < 0.0
+                        || most.abs().max(least.abs()) > OF_RATIOS * most.abs().min(least.abs())
+                })?;
+                format!(
+                    "q and p jump together, with Δq/Δp from {} to {} at one step size, and not in one ratio as by a force that jumps",
+                    short(least),
+                    short(most)
+                )
+            }
+        };
         Some(Cause::new(
             CauseKind::ChoiceInside,
             format!(
-                "q and p jump together, like h^{exponent:.1}: less than a step moves them, as an error of the method does. \
-                 Something inside the step differs from state to state, such as the number of substeps or of iterations."
+                "{how}. Something inside the step differs from state to state, such as the number of substeps or of iterations."
             ),
-            "Fix the number of substeps, the order and the number of iterations.",
+            "Fix the number of substeps, the order and the number of iterations. If a solver stops at a tolerance, tighten it until the \
+             jumps are gone.",
         ))
+    }
+
+    /// The least and the largest Δq/Δp of breaks of one degree of freedom at the step size of the break that was examined.
+    fn ratios(&self) -> Option<[f64; 2]> {
+        let sides = self.sides()?;
+        let dof = sides.coordinates.first()?.dof;
+        let [q, p] = ['q', 'p'].map(|of| sides.coordinate(of, dof).map(|of| EQUAL * of.radius));
+        let (least_q, least_p) = (q?, p?);
+        let ratios = (self.jumps())
+            .filter(|(size, of)| *size == sides.step_size && of.dof == dof)
+            .map(|(_, of)| of)
+            .filter(|of| of.jump_q.abs() > least_q && of.jump_p.abs() > least_p)
+            .map(|of| [of.jump_q / of.jump_p; 2]);
+        ratios.reduce(|[least, most], [ratio, _]| [least.min(ratio), most.max(ratio)])
     }
 }
 
@@ -446,14 +503,14 @@ fn plainest(length: f64, values: [f64; 2]) -> f64 {
         .unwrap_or(length)
 }
 
-/// A setting of one degree of freedom: `period = [0, 6.283185307179586]`.
-fn one_of(key: &str, dof: usize, dofs: usize, value: f64) -> String {
+/// A setting of some degrees of freedom: `period = [0, 6.283185307179586]`.
+fn setting_of(key: &str, of: &[usize], dofs: usize, value: f64) -> String {
     const LISTED: usize = 12;
     if dofs > LISTED {
-        return format!("{key} = {value} for degree of freedom {dof}");
+        return format!("{key} = {value} for {}", degrees_of_freedom(of));
     }
     let values = (0..dofs).map(|i| {
-        if i == dof {
+        if of.contains(&i) {
             value.to_string()
         } else {
             "0".into()

@@ -4,7 +4,7 @@ use super::blocks::OF_A_MODEL;
 use super::{Cause, CauseKind, Clues};
 use crate::evidence::{Origin, StepEvidence};
 use crate::signal::SIGNIFICANT;
-use crate::text::{self, one_digit, with_uncertainty};
+use crate::text::{self, one_digit, significant, with_uncertainty};
 use crate::verdict::advice::Advice;
 use crate::verdict::findings::{
     ChangeFinding, DomainFinding, Finding, LocalisationFinding, Step, culprits,
@@ -16,6 +16,20 @@ use crate::verdict::thresholds::{FAR, TREND};
 const LARGEST_TOLERANCE: f64 = 1e-6;
 
 impl Clues<'_> {
+    /// A coordinate has one value at some samples of the given loop.
+    pub(super) fn clipped_on_loop(&self) -> Option<Cause> {
+        let survey = &self.evidence.survey;
+        let held = survey.held.filter(|_| !survey.is_rounded())?;
+        let states = format!(
+            "At {:.0}% of the samples of your loop, {}[{}] = {} after the largest step",
+            100.0 * held.part,
+            held.coordinate,
+            held.dof,
+            significant(held.value)
+        );
+        Some(Cause::clipped(&states, held.coordinate, held.dof))
+    }
+
     /// The step projects onto a manifold.
     pub(super) fn projection(&self) -> Option<Cause> {
         let rank = self.findings.iter().find_map(|finding| match finding {

@@ -122,15 +122,17 @@ impl Clues<'_> {
     ];
 
     /// The causes of changes of loop integrals, those that the evidence shows most surely first.
-    const OF_CHANGES: [fn(&Self) -> Option<Cause>; 14] = [
+    const OF_CHANGES: [fn(&Self) -> Option<Cause>; 16] = [
         Self::ignores_step_size,
         Self::rounded_matrix,
         Self::swapped,
+        Self::clipped_on_loop,
         Self::projection,
         Self::no_convergence,
         Self::other_form,
         Self::friction,
         Self::solver_tolerance,
+        Self::own_step_length,
         Self::part_of_step,
         Self::substep,
         Self::order_below_method,
@@ -167,6 +169,26 @@ impl Cause {
                 | CauseKind::VelocityWithCurl
                 | CauseKind::PartialFriction
                 | CauseKind::FewIterations
+        )
+    }
+
+    /// A coordinate that has one value at some `states`.
+    fn clipped(states: &str, coordinate: char, dof: usize) -> Self {
+        let name = format!("{coordinate}[{dof}]");
+        let instead = match coordinate {
+            'q' => ", or reflect the particle instead (q → 2·wall − q, p → −p)",
+            _ => "",
+        };
+        Cause::new(
+            CauseKind::Clipped,
+            format!(
+                "{states}, though they differ before it: {name} is clipped or set there, and the area of these states is lost \
+                 (det DΦ = 0)."
+            ),
+            format!(
+                "Find where the step sets {name}: a wall, an absorbing boundary, a clamp, a limit. Move the loop away from it, until no \
+                 state reaches it in the largest step{instead}."
+            ),
         )
     }
 

@@ -199,14 +199,20 @@ fn plural(count: usize) -> &'static str {
     if count == 1 { "" } else { "s" }
 }
 
-/// Some of them by number.
-fn degrees_of_freedom(dofs: &[usize]) -> String {
+/// The first of these names, and how many there are besides.
+pub(super) fn listed(names: impl ExactSizeIterator<Item = String>) -> String {
     const NAMED: usize = 4;
-    let named: Vec<String> = dofs.iter().take(NAMED).map(usize::to_string).collect();
-    let further = match dofs.len().checked_sub(NAMED + 1) {
-        Some(_) => format!(" and {} more", dofs.len() - NAMED),
-        None => String::new(),
+    let further = match names.len().saturating_sub(NAMED) {
+        0 => String::new(),
+        further => format!(" and {further} more"),
     };
+    let named: Vec<String> = names.take(NAMED).collect();
+    named.join(", ") + &further
+}
+
+/// Some of them by number.
+pub(super) fn degrees_of_freedom(dofs: &[usize]) -> String {
     let plural = if dofs.len() == 1 { "degree" } else { "degrees" };
-    format!("{plural} of freedom {}{further}", named.join(", "))
+    let numbers = listed(dofs.iter().map(usize::to_string));
+    format!("{plural} of freedom {numbers}")
 }
