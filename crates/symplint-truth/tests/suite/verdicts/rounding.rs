@@ -265,9 +265,7 @@ fn assert_rounding_decides(found: &Diagnosis, title: &str) {
     let advice = verdict.advice();
     let first = advice.first().map_or("", String::as_str);
     assert!(
-        !advice
-            .iter()
-            .any(|line| line.contains("smoother interpolation")),
+        !advice.iter().any(|line| line.contains("If a force jumps")),
         "{title}: {advice:?}"
     );
     let by_budget = first.contains("budget") || first.contains("evaluations");
