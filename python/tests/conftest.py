@@ -13,7 +13,10 @@ import symplint
 NEEDED = {
     "symplint._ode": "scipy",
     "symplint.adapters._pyat": "at",
-    **{f"symplint.adapters._{name}": name for name in ("ase", "blackjax", "diffrax", "mici", "mujoco", "openmm", "rebound", "xtrack")},
+    **{
+        f"symplint.adapters._{name}": name
+        for name in ("ase", "blackjax", "diffrax", "impactx", "mici", "mujoco", "openmm", "rebound", "xtrack")
+    },
 }
 
 

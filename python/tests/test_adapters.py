@@ -339,6 +339,125 @@ def test_xtrack():
         adapters.xtrack(xt.Line([xt.Drift(length=1.0)]))
 
 
+@pytest.fixture
+def simulation(tmp_path, monkeypatch):
+    """A simulation of ImpactX with a reference particle, and no elements."""
+    impactx = pytest.importorskip("impactx")
+    # ImpactX writes to the folder.
+    monkeypatch.chdir(tmp_path)
+    made = impactx.ImpactX()
+    made.particle_shape, made.diagnostics, made.verbose = 2, False, 0
+    made.init_grids()
+    impactx_beam(made)[1].set_charge_qe(1.0).set_mass_MeV(938.272).set_kin_energy_MeV(2e3)
+    yield made
+    made.finalize()
+
+
+def impactx_beam(simulation):
+    """The particles of a simulation and its reference particle."""
+    if hasattr(simulation, "beam"):
+        return simulation.beam, simulation.beam.ref
+    return simulation.particle_container(), simulation.particle_container().ref_particle()
+
+
+def impactx_lattice(simulation, *elements):
+    simulation.lattice.clear()
+    simulation.lattice.extend(list(elements))
+    return adapters.impactx(simulation)
+
+
+def impactx_cavity():
+    """Fields that depend on the distance from the entrance and on the time of the reference particle."""
+    from impactx import elements
+
+    coefficients = {"cos_coefficients": [0.5, 0.2], "sin_coefficients": [0.0, 0.0]}
+    return elements.RFCavity(ds=1.0, escale=1.0, freq=4e8, phase=40.0, mapsteps=20, nslice=3, **coefficients)
+
+
+def test_impactx(simulation):
+    from impactx import __version__, elements
+
+    magnets = [elements.ChrQuad(ds=0.5, k=0.6), elements.Multipole(multipole=3, K_normal=20.0, K_skew=0.0), elements.ExactDrift(ds=2.0)]
+    linear = [elements.Quad(ds=0.5, k=0.6, nslice=4), elements.Drift(ds=2.0), elements.Sbend(ds=1.0, rc=5.0)]
+    # Exact maps of Hamiltonians.
+    agrees(impactx_lattice(simulation, *linear), True)
+    step = impactx_lattice(simulation, *magnets, elements.ExactSbend(ds=1.0, phi=10.0))
+    agrees(step, True)
+    # (t, -pt) is not a canonical pair.
+    agrees(step, False, weight=[1.0, 1.0, -1.0])
+    # In momenta that are not divided by a reference that changes.
+    for cavity in (elements.ShortRF(V=0.5, freq=4e8, phase=-30.0), elements.ChrAcc(ds=1.0, ez=0.5, bz=0.3), impactx_cavity()):
+        agrees(impactx_lattice(simulation, *magnets, cavity), True)
+    # Before 25.03, a bend of this kind did not advance t: https://github.com/BLAST-ImpactX/impactx/pull/854
+    corrected = tuple(int(number) for number in __version__.split(".")[:2]) >= (25, 3)
+    report = agrees(impactx_lattice(simulation, *magnets, elements.CFbend(ds=1.0, rc=5.0, k=0.3, name="bend")), corrected)
+    assert corrected or any("substep 4 (bend (CFbend))" in sentence for sentence in report.sentences)
+
+
+def test_programmable_elements_of_impactx(simulation):
+    from impactx import elements
+
+    def damp(particles, reference):
+        particles.soa().to_numpy().real["momentum_x"][:] *= 0.999
+
+    damper = elements.Programmable(name="damper")
+    damper.beam_particles, damper.ref_particle = damp, lambda reference: None
+    report = agrees(impactx_lattice(simulation, elements.Drift(ds=0.5), damper, elements.ChrQuad(ds=0.5, k=0.6)), False)
+    assert any("substep 2 (damper (Programmable))" in sentence for sentence in report.sentences)
+
+
+def test_states_are_those_of_impactx(simulation):
+    from amrex.space3d import PODVector_real_std
+    from impactx import ImpactXParIter, elements
+
+    beam, reference = impactx_beam(simulation)
+    bend, cavity = elements.ExactSbend(ds=1.0, phi=10.0), elements.ShortRF(V=0.1, freq=4e8, phase=-30.0)
+    step = impactx_lattice(simulation, elements.Drift(ds=0.3), impactx_cavity(), bend, cavity, impactx_cavity())
+    q, p = 1e-3 * np.random.default_rng(1).normal(size=(2, 16, 3))
+    expected = step(q, p)
+    before = reference.pt
+    # The tracking loop of ImpactX.
+    vectors = [PODVector_real_std(16) for _ in range(6)]
+    for vector, values in zip(vectors, [*q.T, *p.T], strict=True):
+        vector.to_numpy()[:] = values
+    beam.add_n_particles(*vectors, 1.0, 0.0)
+    simulation.track_particles()
+    scale = np.sqrt((reference.pt**2 - 1.0) / (before**2 - 1.0))
+    assert scale > 1.01
+    tiles = [list(tile.soa().to_numpy(copy=True).real.values())[:6] for tile in ImpactXParIter(beam, level=0) if tile.size]
+    rows = np.concatenate(tiles, axis=1)
+    assert np.allclose(rows[:3].T, expected[0], rtol=1e-12, atol=1e-16)
+    assert np.allclose(rows[3:].T * scale, expected[1], rtol=1e-12, atol=1e-16)
+    state = q, p
+    for _, part in step.parts:
+        state = part(*state)
+    assert np.allclose(state[0], expected[0], rtol=1e-12, atol=1e-16) and np.allclose(state[1], expected[1], rtol=1e-12, atol=1e-16)
+    # The step does not depend on later changes of the simulation.
+    simulation.lattice.clear()
+    alone = [step(q[row : row + 1], p[row : row + 1]) for row in range(16)]
+    for whole, rows in zip(expected, zip(*alone, strict=True), strict=True):
+        assert np.array_equal(whole, np.concatenate(rows))
+    assert reference.pt == before and reference.s == 0.0
+
+
+def test_simulations_of_impactx_that_are_refused(simulation):
+    from impactx import RefPart, elements
+
+    with pytest.raises(symplint.StepError, match="particles are lost"):
+        symplint.check(impactx_lattice(simulation, elements.Aperture(5e-4, 5e-4)), **BUDGET)
+    with pytest.raises(symplint.InputError, match="no elements"):
+        impactx_lattice(simulation, elements.BeamMonitor("monitor"))
+    with pytest.raises(symplint.InputError, match="ImpactX"):
+        adapters.impactx("simulation")
+    simulation.csr = True
+    with pytest.raises(symplint.InputError, match="csr = False"):
+        impactx_lattice(simulation, elements.Drift(ds=1.0))
+    simulation.csr = False
+    impactx_beam(simulation)[0].set_ref_particle(RefPart())
+    with pytest.raises(symplint.InputError, match="no energy"):
+        impactx_lattice(simulation, elements.Drift(ds=1.0))
+
+
 # JAX ----------------------------------------------------------------------------------------------------------------------------------
 
 

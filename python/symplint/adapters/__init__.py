@@ -9,6 +9,7 @@ this parameter is kept, and is not if each state has its own.
 from ._ase import ase
 from ._blackjax import blackjax
 from ._diffrax import diffrax
+from ._impactx import impactx
 from ._mici import mici
 from ._mujoco import mujoco
 from ._openmm import openmm
@@ -17,6 +18,6 @@ from ._rebound import rebound
 from ._step import AdaptedStep
 from ._xtrack import xtrack
 
-__all__ = ["AdaptedStep", "ase", "blackjax", "diffrax", "mici", "mujoco", "openmm", "pyat", "rebound", "xtrack"]
+__all__ = ["AdaptedStep", "ase", "blackjax", "diffrax", "impactx", "mici", "mujoco", "openmm", "pyat", "rebound", "xtrack"]
 
 AdaptedStep.__module__ = __name__
