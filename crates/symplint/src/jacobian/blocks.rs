@@ -28,9 +28,12 @@ impl PointBlocks {
             };
             ([pair.0, pair.1], size, defect.bound())
         };
+        let columns: Vec<Column<'_>> = (derivatives.iter())
+            .map(|of| (&of.value[..], &of.error[..]))
+            .collect();
         let form = changes.iter().map(|(pair, change)| entry(*pair, change));
         let brackets = changes.iter().map(|&((a, b), of_form)| {
-            let (signed, uncertainty) = bracket(derivatives, [a, b], frame);
+            let (signed, uncertainty) = bracket(&columns, [a, b], frame);
             let defect = TangentDefect {
                 signed,
                 uncertainty,
@@ -42,12 +45,15 @@ impl PointBlocks {
     }
 }
 
+/// A column of the Jacobian, and the errors of its components.
+pub(super) type Column<'a> = (&'a [f64], &'a [f64]);
+
 /// The Poisson bracket of two coordinates after the step, less what it was before; divided by √|areas|, as a symplectic map has columns
 /// of this length. And its uncertainty.
-fn bracket(derivatives: &[Derivative], [a, b]: [usize; 2], frame: &Frame) -> (f64, f64) {
-    let dof = derivatives.len() / 2;
-    let value = |c: usize, k: usize| derivatives[k].value[c];
-    let error = |c: usize, k: usize| derivatives[k].error[c];
+pub(super) fn bracket(columns: &[Column<'_>], [a, b]: [usize; 2], frame: &Frame) -> (f64, f64) {
+    let dof = columns.len() / 2;
+    let value = |c: usize, k: usize| columns[k].0[c];
+    let error = |c: usize, k: usize| columns[k].1[c];
     let mut sum = match b == a + dof {
         true => -1.0 / frame.area(a),
         false => 0.0,

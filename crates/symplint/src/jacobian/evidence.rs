@@ -181,8 +181,8 @@ pub struct DefectBlocks {
     pub before: BlockDefects,
     /// Of MJ⁻¹Mᵀ − J⁻¹: the Poisson brackets of two coordinates after the step.
     pub after: BlockDefects,
-    /// What is left of the brackets across the direction in which time moves states, as a part of the largest one: 0 if only the length of
-    /// the step differs from state to state.
+    /// The part of the brackets after the step that is left across the direction in which time moves states: 0 if only the length of the
+    /// step differs from state to state.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub across_time: Option<f64>,
 }
