@@ -1,14 +1,20 @@
 //! Jumps that are too small to break a loop.
 
 use super::limits::LEAST_JUMP;
-use super::residual::{may_jump, rounding};
+use super::residual::rounding;
 use super::search::find_jumps;
-use crate::signal::{Extent, UNIT_ROUNDOFF, largest, unwrap_row, wraps};
+use crate::signal::{Extent, UNIT_ROUNDOFF, unwrap_row};
 use crate::state::{Coordinates, Ensemble, in_parallel};
 
 /// What jumps too small to break a loop contribute to its integral at most, Σ |p Δq| over the cells in which samples
-/// show them; cells with one of the `known` breaks, given by their s, are left out.
-pub(crate) fn little_jumps(samples: &Ensemble, coordinates: &Coordinates, known: &[f64]) -> f64 {
+/// show them; cells with one of the `known` breaks, given by their s, are left out. Rows are those that
+/// [`rows_that_may_jump`](super::rows_that_may_jump) found.
+pub(crate) fn little_jumps(
+    samples: &Ensemble,
+    coordinates: &Coordinates,
+    known: &[f64],
+    may_jump: &[[bool; 2]],
+) -> f64 {
     let count = samples.samples();
     let mut is_known = vec![false; count];
     for s in known {
@@ -16,9 +22,6 @@ pub(crate) fn little_jumps(samples: &Ensemble, coordinates: &Coordinates, known:
     }
     let of_dof = |i: usize| {
         let (row, period) = (samples.q().row(i), coordinates.period(i));
-        if !wraps(row, period) && !may_jump(row, rounding(UNIT_ROUNDOFF * largest(row))) {
-            return 0.0;
-        }
         let mut row = row.to_vec();
         let gain = unwrap_row(&mut row, period) as f64 * period;
         let extent = Extent::of(&row);
@@ -33,7 +36,8 @@ pub(crate) fn little_jumps(samples: &Ensemble, coordinates: &Coordinates, known:
             .map(|jump| (momenta[jump.cell] * jump.size).abs());
         coordinates.weight(i).abs() * sizes.sum::<f64>()
     };
-    let of_dofs = in_parallel(0..samples.dof(), 2 * samples.samples(), of_dof);
+    let dofs: Vec<usize> = (0..samples.dof()).filter(|&dof| may_jump[dof][0]).collect();
+    let of_dofs = in_parallel(dofs, 2 * samples.samples(), of_dof);
     of_dofs.iter().sum()
 }
 
@@ -74,7 +78,8 @@ mod tests {
             (vec![at(SAMPLES - 1), at(7)], first),
             (vec![at(1000), at(SAMPLES - 1)], 0.0),
         ] {
-            let found = little_jumps(&states, &coordinates, &known);
+            let rows = crate::breaks::rows_that_may_jump(&states, &coordinates);
+            let found = little_jumps(&states, &coordinates, &known, &rows);
             let off = (found - expected).abs();
             assert!(
                 off < 0.02 * LITTLE,

@@ -28,10 +28,12 @@ pub(crate) use search::{Jump, Roughness, find_jumps};
 
 use serde::{Deserialize, Serialize};
 
+use residual::may_jump;
+
 use crate::error::Error;
 use crate::loops::Loop;
 use crate::map::{EvaluationCount, Evaluator, TimeAdvance};
-use crate::signal::{largest, unwrap_row, wraps};
+use crate::signal::{UNIT_ROUNDOFF, largest, unwrap_row, wraps};
 use crate::state::scratch::with_buffer;
 use crate::state::{Coordinates, Ensemble, in_parallel};
 
@@ -118,9 +120,36 @@ pub(crate) fn find_break_with(
     let dof = phase_loop.dof();
     evaluator.check_dof(dof)?;
     Error::check_length("rows of the advanced samples", dof, advanced.dof())?;
-    let suspects = suspects(advanced, evaluator.coordinates());
+    let rows = rows_that_may_jump(advanced, evaluator.coordinates());
+    find_break_in(evaluator, phase_loop, h, advanced, &rows)
+}
+
+/// The same in these rows of each degree of freedom.
+pub(crate) fn find_break_in(
+    evaluator: &Evaluator<'_>,
+    phase_loop: &dyn Loop,
+    h: f64,
+    advanced: &Ensemble,
+    rows: &[[bool; 2]],
+) -> Result<Search, Error> {
+    let suspects = suspects(advanced, evaluator.coordinates(), rows);
     let samples = advanced.samples();
     follow_up(evaluator, phase_loop, h, &suspects, samples, Some(advanced))
+}
+
+/// Whether q and p of each degree of freedom may jump. Rows that cannot have no [`suspects`] and no [`little_jumps`].
+pub(crate) fn rows_that_may_jump(ensemble: &Ensemble, coordinates: &Coordinates) -> Vec<[bool; 2]> {
+    let of_row = |row: &[f64], period: f64| {
+        wraps(row, period) || may_jump(row, rounding(UNIT_ROUNDOFF * largest(row)))
+    };
+    let of_dof = |dof: usize| {
+        let (q, p) = (ensemble.q().row(dof), ensemble.p().row(dof));
+        [
+            of_row(q, coordinates.period(dof)),
+            of_row(p, coordinates.momentum_period(dof)),
+        ]
+    };
+    in_parallel(0..ensemble.dof(), 2 * ensemble.samples(), of_dof)
 }
 
 /// The first break among `suspects`: these are cells between `samples` samples, which may be `known`.
@@ -148,7 +177,11 @@ pub(crate) fn follow_up(
 }
 
 /// The most suspicious cells of samples in memory, those that stand out most first.
-fn suspects(ensemble: &Ensemble, coordinates: &Coordinates) -> Vec<Suspect> {
+fn suspects(
+    ensemble: &Ensemble,
+    coordinates: &Coordinates,
+    may_jump: &[[bool; 2]],
+) -> Vec<Suspect> {
     if ensemble.samples() < GROUP {
         return Vec::new();
     }
@@ -158,10 +191,16 @@ fn suspects(ensemble: &Ensemble, coordinates: &Coordinates) -> Vec<Suspect> {
             (Coordinate::Q, q, coordinates.period(dof)),
             (Coordinate::P, p, coordinates.momentum_period(dof)),
         ];
-        rows.map(|(coordinate, row, period)| suspect(dof, coordinate, row, period))
+        let rows = rows.into_iter().zip(may_jump[dof]);
+        rows.filter(|(_, may_jump)| *may_jump)
+            .filter_map(|((coordinate, row, period), _)| suspect(dof, coordinate, row, period))
+            .collect::<Vec<_>>()
     };
-    let of_dofs = in_parallel(0..ensemble.dof(), 2 * ensemble.samples(), of_dof);
-    let mut found: Vec<Suspect> = of_dofs.into_iter().flatten().flatten().collect();
+    let dofs: Vec<usize> = (0..ensemble.dof())
+        .filter(|&dof| may_jump[dof] != [false; 2])
+        .collect();
+    let of_dofs = in_parallel(dofs, 2 * ensemble.samples(), of_dof);
+    let mut found: Vec<Suspect> = of_dofs.into_iter().flatten().collect();
     most_outstanding(&mut found);
     found
 }

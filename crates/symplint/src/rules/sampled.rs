@@ -5,7 +5,7 @@ use multiversion::multiversion;
 use super::{
     Defect, LoopAfterStep, LoopIntegral, LoopIntegrator, Rule, RuleKind, Samples, Subject,
 };
-use crate::breaks::{Break, Search, find_break_with, little_jumps};
+use crate::breaks::{Break, Search, find_break_in, little_jumps, rows_that_may_jump};
 use crate::error::Error;
 use crate::signal::Extent;
 use crate::state::{Coordinates, Ensemble};
@@ -92,12 +92,14 @@ pub(super) struct Jumps {
 
 /// Looks for a break where advanced samples show one.
 pub(super) fn jumps(subject: &Subject<'_>, h: f64, after: &Ensemble) -> Result<Jumps, Error> {
-    let found = match find_break_with(subject.evaluator, subject.phase_loop, h, after)? {
+    let (evaluator, phase_loop) = (subject.evaluator, subject.phase_loop);
+    let rows = rows_that_may_jump(after, subject.coordinates());
+    let found = match find_break_in(evaluator, phase_loop, h, after, &rows)? {
         Search::Found(found) if !found.is_substantial(ranges_of(after, found.dof)) => Search::Clean,
         found => found,
     };
     let little = match found {
-        Search::Clean => little_jumps(after, subject.coordinates(), &[]),
+        Search::Clean => little_jumps(after, subject.coordinates(), &[], &rows),
         Search::Found(_) | Search::Unaffordable => 0.0,
     };
     Ok(Jumps { found, little })

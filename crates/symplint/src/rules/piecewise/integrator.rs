@@ -1,7 +1,7 @@
 //! The piecewise rule in a diagnosis: pieces in addition to equispaced samples, which show what pieces may miss.
 
 use super::{Closure, Piecewise, PiecewiseIntegral};
-use crate::breaks::{Search, little_jumps};
+use crate::breaks::{Search, little_jumps, rows_that_may_jump};
 use crate::error::Error;
 use crate::map::{Capabilities, EvaluationCount, Evaluator, StepFailure, TimeAdvance};
 use crate::rules::sampled::{cells_apart, jumps, ranges_of};
@@ -51,7 +51,8 @@ impl LoopIntegrator for Piecewise {
         let mut little = 0.0;
         if !breaks.is_empty() {
             let known: Vec<f64> = breaks.iter().map(|found| found.s).collect();
-            little = little_jumps(after, subject.coordinates(), &known);
+            let rows = rows_that_may_jump(after, subject.coordinates());
+            little = little_jumps(after, subject.coordinates(), &known, &rows);
         }
         let mut ranges = vec![None; after.dof()];
         let broken = breaks.iter().any(|found| {
