@@ -77,8 +77,8 @@ impl Report {
     fn with_page<R>(&self, write: impl FnOnce(&Page<'_>) -> R) -> R {
         let figures: Vec<(&'static str, String)> = figures(&self.title, &self.diagnosis)
             .into_iter()
-            // Without a figure the table says the same.
-            .filter_map(|(name, figure)| Some((name, figure.to_svg().ok()?)))
+            // The page has their titles. Without a figure the table has the same numbers.
+            .filter_map(|(name, figure)| Some((name, figure.without_titles().to_svg().ok()?)))
             .collect();
         write(&Page {
             title: &self.title,

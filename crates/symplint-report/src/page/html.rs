@@ -46,7 +46,8 @@ fn unbroken(text: &str) -> String {
     let mut first = 0;
     while first < words.len() {
         let mut end = first + 1;
-        while end + 1 < words.len() && matches!(words[end], "=" | "±" | "≤" | "&lt;") {
+        while end + 1 < words.len() && matches!(words[end], "=" | "±" | "≤" | "−" | "→" | "&lt;")
+        {
             end += 2;
         }
         let is_short = |end: usize| visible(&words[first..end].join(" ")) <= LONGEST_UNBROKEN;
@@ -115,6 +116,10 @@ mod tests {
             (
                 "of the value = 1.2345e-2 ± 1.5e-15",
                 format!("of the {} ± {}", span("value = 1.2345e-2"), span("1.5e-15")),
+            ),
+            (
+                "if p → −p and |det M − 1| ≤ 6e-15",
+                format!("if {} and |det {}", span("p → −p"), span("M − 1| ≤ 6e-15")),
             ),
             (
                 "a time-reversible step, `tolerance = 1e-6`",

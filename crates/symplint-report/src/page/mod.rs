@@ -90,10 +90,12 @@ impl Page<'_> {
     /// The page for a notebook: without its frame, in the style of the notebook.
     pub fn fragment(&self) -> String {
         let header = header(&escaped(self.title), &self.diagnosis.verdict);
-        format!(
-            "<div style=\"max-width: 50em\">\n{header}{}</div>\n",
-            self.sections()
-        )
+        // Figures have the width of the cell, at most: the notebook does not have the style of the page.
+        let sections = (self.sections()).replace(
+            "<svg role=",
+            "<svg style=\"max-width: 100%; height: auto\" role=",
+        );
+        format!("<div style=\"max-width: 50em\">\n{header}{sections}</div>\n")
     }
 
     fn sections(&self) -> String {
@@ -116,7 +118,14 @@ impl Page<'_> {
             .filter(|(title, _)| *title != "Cost")
             .map(|(title, sentences)| match *title {
                 "Also" => section(title, &list_of_properties(verdict)),
-                _ => section(title, sentences),
+                // The cause has its own section.
+                _ => {
+                    let is_cause = |text: &&String| {
+                        (verdict.cause.as_ref()).is_some_and(|of| of.text == **text)
+                    };
+                    let others = sentences.iter().filter(|text| !is_cause(text));
+                    section(title, &others.cloned().collect::<Vec<String>>())
+                }
             })
             .collect();
         let _ = write!(text, "<div class=\"cards\">\n{cards}</div>\n");
@@ -179,7 +188,7 @@ fn header(title: &str, verdict: &Verdict) -> String {
         ),
         VerdictKind::NotSymplectic if is_explained => (
             "✗",
-            "A step conserves another area than ∫ dp∧dq. With the setting below, the variables are canonical and the step is symplectic.",
+            "A step does not conserve ∮\u{a0}p·dq, but it conserves another area. If the setting below is right for your variables, the step is symplectic.",
         ),
         VerdictKind::NotSymplectic => (
             "✗",

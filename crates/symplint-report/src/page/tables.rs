@@ -11,6 +11,9 @@ use super::html::escaped;
 /// Rows of the table that are shown at once; the others are folded.
 const FIRST_ROWS: usize = 12;
 
+/// The title of a column, which narrow screens may hyphenate.
+const UNCERTAINTY: &str = "uncer&shy;tainty";
+
 /// The points of the given loop, and of random ones, as a table; all but the first rows are folded.
 pub(super) fn points(points: &[Point]) -> String {
     let of_sizes: Vec<&Point> = (points.iter())
@@ -29,7 +32,7 @@ pub(super) fn points(points: &[Point]) -> String {
     };
     let header = format!(
         "<thead><tr><th scope=\"col\">loop</th><th scope=\"col\">step h</th><th scope=\"col\">samples</th>\
-         <th scope=\"col\">change</th><th scope=\"col\">uncertainty</th>{breaks}</tr></thead>"
+         <th scope=\"col\">change</th><th scope=\"col\">{UNCERTAINTY}</th>{breaks}</tr></thead>"
     );
     let row = |point: &&Point| {
         let name = match point.loop_index {
@@ -151,7 +154,7 @@ fn bars(caption: &str, what: &str, rows: &[Bar]) -> String {
     scrolling(
         caption,
         &format!(
-            "<thead><tr><th scope=\"col\">{what}</th><th scope=\"col\">change</th><th scope=\"col\">uncertainty</th>{breaks}\
+            "<thead><tr><th scope=\"col\">{what}</th><th scope=\"col\">change</th><th scope=\"col\">{UNCERTAINTY}</th>{breaks}\
              <td></td></tr></thead>\n<tbody>\n{rows}</tbody>"
         ),
     )
