@@ -4,6 +4,7 @@ Without an entry, it lists all of them. `--row` prints a row of the table. `pip 
 docs/register.md has the results.
 """
 
+import importlib
 import importlib.metadata
 import re
 import sys
@@ -338,17 +339,26 @@ def verdict(report):
     if report.kind == "symplectic":
         return f"symplectic to {report.digits:g} digits"
     change = re.fullmatch(
-        r"The map changes (a loop integral by .*? at h = [\de-]+(?:\.\d+)?)(, in proportion to h.)?.*", report.summary
+        r"The map changes (a loop integral by .*? (?:at h = [\de-]+(?:\.\d+)?|in one application))(, in proportion to h[⁰¹²³⁴-⁹]*)?.*",
+        report.summary,
     )
     if report.kind == "not-symplectic" and change:
         return f"not symplectic; {change[1].replace(' by ', ' changes by ')}{change[2] or ''}"
     return report.headline
 
 
+def version_of(package):
+    try:
+        return importlib.metadata.version(package)
+    except importlib.metadata.PackageNotFoundError:
+        # Installed without pip.
+        return importlib.import_module(package).__version__
+
+
 def main(name, is_row):
     function, argument, package, theory = ENTRIES[name]
     report = function(argument)
-    version = importlib.metadata.version(package)
+    version = version_of(package)
     if is_row:
         print(f"| {package} | {version} | `{argument}` | {theory} | {verdict(report)} |")
         return

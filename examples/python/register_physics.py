@@ -365,7 +365,7 @@ def cpymad(element):
                 f"""Q: quadrupole, l={h!r}, k1=0.8; D: drift, l={h!r};
                 L: line=(Q, D); use, sequence=L; track, onepass, recloss=false;"""
             )
-            for (x, y, t), (px, py, pt) in zip(q, p):
+            for (x, y, t), (px, py, pt) in zip(q.tolist(), p.tolist()):
                 run.input(f"start, x={x!r}, px={px!r}, y={y!r}, py={py!r}, t={t!r}, pt={pt!r};")
             run.input("run, turns=1; endtrack;")
             table = run.table.tracksumm
@@ -383,7 +383,23 @@ def cpymad(element):
     )  # fmt: skip
 
 
+def impactx(element):
+    import impactx as package
+
+    simulation = package.ImpactX()
+    simulation.particle_shape, simulation.diagnostics, simulation.verbose = 2, False, 0
+    simulation.init_grids()
+    beam = getattr(simulation, "beam", None)
+    # Before ImpactX 26.04, the beam is a method.
+    reference = beam.ref if beam is not None else simulation.particle_container().ref_particle()
+    reference.set_charge_qe(1.0).set_mass_MeV(938.272).set_kin_energy_MeV(2e3)
+    k = {"CFbend-focusing": 0.3, "CFbend-defocusing": -0.3}[element]
+    simulation.lattice.append(package.elements.CFbend(ds=1.0, rc=5.0, k=k))
+    return symplint.check(symplint.adapters.impactx(simulation))
+
+
 SPLITTING = "symplectic: kicks and drifts"
+LINEAR = "symplectic: the exact map of a linear element"
 RUNGE_KUTTA = "not symplectic: explicit Runge–Kutta"
 
 # The package that `pip` installs: the function, and for each method what theory says.
@@ -412,5 +428,9 @@ ENTRIES = {
         })
     ],
     "pyretis": [(pyretis, {"VelocityVerlet": SPLITTING})],
-    "cpymad": [(cpymad, {"quadrupole": "symplectic: the exact map of a linear element"})],
+    "cpymad": [(cpymad, {"quadrupole": LINEAR})],
+    # Not from pip: from conda-forge, or from source.
+    "impactx": [
+        (impactx, {"CFbend-focusing": "not symplectic: an error of this release in t", "CFbend-defocusing": LINEAR})
+    ],
 }  # fmt: skip
