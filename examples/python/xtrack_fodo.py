@@ -1,8 +1,8 @@
 """A cell of an accelerator in Xtrack: two quadrupoles and two drifts (pip install xsuite).
 
 Canonical pairs are (x, px), (y, py) and (zeta, pzeta), with pzeta = ptau / beta0. The relative momentum deviation delta is not
-canonical to zeta: a loop integral with it in the place of pzeta changes. A step of size h is a cell of h times the length.
-xsuite brings the C code of Xtrack compiled; `pip install xtrack` alone needs gcc, and XSUITE_ALLOW_KERNEL_COMPILATION=1.
+canonical to zeta: a loop integral of delta instead of pzeta changes. A step of size h is a cell of h times the length.
+xsuite contains the compiled C code of Xtrack; `pip install xtrack` alone needs gcc, and XSUITE_ALLOW_KERNEL_COMPILATION=1.
 """
 
 import numpy as np
