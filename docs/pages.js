@@ -7,7 +7,7 @@
   for (const cell of document.querySelectorAll(".content td")) {
     const text = cell.textContent.trim();
     if (/^[-+−]?[\d.]+e[-−]\d+$/.test(text)) cell.style.whiteSpace = "nowrap";
-    else if (text.length > 40) cell.style.minWidth = "16rem";
+    else if (text.length > 40) cell.style.minWidth = "14rem";
   }
 
   function markWideParts() {
