@@ -340,7 +340,7 @@ pub enum Error {
     },
     /// A loop that winds round a torus, on which ∮ p·dq has no value.
     #[error(
-        "the loop winds round a period of degree of freedom {dof}, whose momentum is periodic: ∮ p·dq has no value \
+        "the loop winds around a period of degree of freedom {dof}, whose momentum is periodic: ∮ p·dq has no value \
          there; take a loop that can be contracted to a point"
     )]
     WindsRoundTorus {

@@ -36,7 +36,7 @@ impl FieldReport {
             return String::new();
         };
         format!(
-            "{} ± {} ({} of the size that a pure rotation would give) {}",
+            "{} ± {} ({} of the integral of a pure rotation) {}",
             two_digits(work.integral),
             two_digits(work.error()),
             two_digits(work.relative()),
@@ -68,7 +68,7 @@ impl FieldReport {
                     .map(LoopWork::bound)
                     .fold(0.0, f64::max);
                 format!(
-                    "{integral} is zero on every loop tried, within {} of the size that a pure rotation would give.",
+                    "{integral} is zero on every loop tried, within {} of the integral of a pure rotation.",
                     two_digits(bound)
                 )
             }

@@ -90,7 +90,7 @@ pub enum Advice {
     MoreSamplesAndLargerSteps,
     /// Add loops that can be contracted.
     ContractibleLoops,
-    /// Take a loop that does not run round that point.
+    /// Take a loop that does not go around that point.
     LoopBesidePoint,
     /// Give larger radii to a group of degrees of freedom.
     LargerRadiiOfGroup,
@@ -175,8 +175,8 @@ impl Advice {
             Advice::TightenSolver => "If a solver inside the map stops at a tolerance, tighten it.",
             Advice::StateStepSizes => "State the step sizes to learn the order.",
             Advice::LoopWithForces => {
-                "Take much larger step sizes, or a loop on which forces differ: a step that is nearly a free flight, \
-                 or a kick, is right by every method."
+                "Take much larger step sizes, or a loop on which forces differ: all methods conserve areas in a step that is \
+                 nearly a free flight or a kick."
             }
             Advice::CheckCopies => {
                 "Check that the files after the step are not copies of the one before it."
@@ -193,7 +193,7 @@ impl Advice {
             }
             Advice::ContractibleLoops => "Add loops that can be contracted: set loops to 8.",
             Advice::LoopBesidePoint => {
-                "Take a smaller loop, or one elsewhere, that does not run round that point."
+                "Take a smaller loop, or one elsewhere, that does not go around that point."
             }
             Advice::LargerRadiiOfGroup => {
                 "Give larger radii to these degrees of freedom, well above the rounding of their states, or leave them at rest."
@@ -284,7 +284,7 @@ impl Display for Advice {
                     }
                     (None, _) => {}
                 }
-                f.write_str(": one step should advance the motions by about a radian, or so far that a defect stands clear of the bound.")
+                f.write_str(": one step should advance the motions by about a radian, or far enough that a defect exceeds the bound.")
             }
             Advice::LargerRadii { factor } => write!(
                 f,

@@ -374,7 +374,7 @@ mod tests {
                 BrokenLoops,
                 &symplectic,
                 Agreement::BreaksAlone,
-                "see jumps",
+                "detect jumps",
             ),
             (
                 BrokenLoops,

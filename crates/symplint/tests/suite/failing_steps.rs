@@ -116,7 +116,7 @@ fn a_step_to_one_state_is_not_symplectic_unless_that_may_be_rounding() {
             verdict.summary()
         );
         assert!(
-            verdict.summary().contains("at one state"),
+            verdict.summary().contains("one state for all samples"),
             "{}",
             verdict.summary()
         );

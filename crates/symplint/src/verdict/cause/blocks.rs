@@ -113,7 +113,7 @@ impl Clues<'_> {
                 .to_owned(),
         };
         let text = format!(
-            "{part}. Defects of {matrix} by block: {}.",
+            "{part}. Largest defects of {matrix} by kind of variables: {}.",
             blocks_text(side)
         );
         Some(Cause::new(kind, text, remedy(kind)))
@@ -146,7 +146,7 @@ impl Clues<'_> {
             ),
         };
         let text = format!(
-            "The largest blocks of the defect are those of {meaning}: MᵀJM − J: {}; Poisson brackets after the step: {}.",
+            "The largest blocks of the defect are those of {meaning}: before the step (MᵀJM − J): {}; after it (Poisson brackets): {}.",
             blocks_text(&blocks.before),
             blocks_text(&blocks.after)
         );

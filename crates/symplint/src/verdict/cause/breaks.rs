@@ -162,7 +162,7 @@ impl Clues<'_> {
         let setting = setting_of(key, &dofs, sides.dof, length);
         let others = match dofs.len() == sides.dof {
             true => "",
-            false => " State the periods of the other coordinates, too.",
+            false => " Also state the periods of the other coordinates.",
         };
         let names = listed(dofs.iter().map(|dof| format!("{}[{dof}]", of.coordinate)));
         let value = significant(length);

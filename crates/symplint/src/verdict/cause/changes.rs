@@ -73,7 +73,7 @@ impl Clues<'_> {
                 CauseKind::IgnoresStepSize,
                 "The step gives the same result for every step size, to the last bit.".into(),
                 "If the function is a right-hand side, which returns dq/dt and dp/dt, give a step of an integrator (`check_field` tests \
-                 the right-hand side itself). If it is a map without a step size, say so: step_sizes = \"none\".",
+                 the right-hand side itself). If it is a map without a step size, pass step_sizes = \"none\".",
             )
         })
     }
@@ -120,10 +120,10 @@ impl Clues<'_> {
         let defect = one_digit(largest);
         let text = match self.noise() {
             _ if self.is_constant() => format!(
-                "The defect, {defect} at most, does not depend on the step size: it has the size of a tolerance or of a rounded constant, not of a method."
+                "The defect, at most {defect}, does not depend on the step size: it has the size of a tolerance or of a rounded constant, not of a method."
             ),
             Some(noise) if largest < FAR * noise => format!(
-                "The defect, {defect} at most, follows no power of h. The results of neighbouring states scatter by {} of the size of the \
+                "The defect, at most {defect}, follows no power of h. The results of neighbouring states scatter by {} of the size of the \
                  loop, which is more than rounding explains. Errors of this size can cause the defect, as those of a solver that stops \
                  at a tolerance.",
                 one_digit(noise)
@@ -224,7 +224,7 @@ impl Clues<'_> {
         let first = match is_of_method {
             true => self.remedy(),
             false => format!(
-                "If the step has uniform {kind} on purpose, it does what it should: it is conformally symplectic."
+                "If the step has uniform {kind} on purpose, this result is expected: the step is conformally symplectic."
             ),
         };
         let remedy = format!(

@@ -187,8 +187,8 @@ impl Display for BoundFinding {
                 short(*cells_apart)
             ),
             BoundFinding::OneState => f.write_str(
-                "All samples of the loop came out at one state: the step returns no others, or rounds to more than the \
-                 loop's size.",
+                "The step returns one state for all samples of the loop: it has no other results, or rounds them to more than \
+                 the loop's size.",
             ),
             BoundFinding::RandomLoopsFail => {
                 f.write_str("The map fails on every random loop of the given one's size.")
@@ -214,7 +214,7 @@ fn on_loops(given: bool, random: usize, range: &StepRange, failed: usize) -> Str
             format!("on your loop{range}{but_failed}{random}")
         }
         false => format!(
-            "on {random} random loop{}{range}{but_failed}; the given one winds round a period",
+            "on {random} random loop{}{range}{but_failed}; your loop winds around a period",
             plural(random)
         ),
     }

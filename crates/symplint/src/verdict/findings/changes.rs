@@ -157,7 +157,7 @@ impl Display for ChangeFinding {
                  ({uncertainty:.1e}), but not significant."
             ),
             ChangeFinding::AllLoopsWind => f.write_str(
-                "Every loop winds round a period: even a symplectic map may change such an integral.",
+                "Every loop winds around a period: even a symplectic map may change such an integral.",
             ),
             ChangeFinding::NotExact {
                 loop_index,
@@ -166,7 +166,7 @@ impl Display for ChangeFinding {
                 step,
             } => write!(
                 f,
-                "{} winds round {}, and its integral changes by {:+.3e} {step}: the map is not exact; no \
+                "{} winds around {}, and its integral changes by {:+.3e} {step}: the map is not exact; no \
                  Hamiltonian of that period generates it.",
                 capitalised(&loop_name(*loop_index)),
                 periods(wound),
@@ -178,8 +178,8 @@ impl Display for ChangeFinding {
                 wound,
             } => write!(
                 f,
-                "{} winds round {}, cannot be contracted, and is conserved to {bound:.1e}, too: round that period the \
-                 map is exact, as far as that tells.",
+                "{} winds around {}, cannot be contracted, and is also conserved to {bound:.1e}: no sign that the map is \
+                 not exact around this period.",
                 capitalised(&loop_name(*loop_index)),
                 periods(wound)
             ),

@@ -51,7 +51,9 @@ impl Display for JacobianVerdict {
                     Some((i, j)) => write!(f, ", between (q[{i}], p[{i}]) and (q[{j}], p[{j}])"),
                 }
             }
-            JacobianVerdict::Undecided { reason } => write!(f, "does not decide: {reason}"),
+            JacobianVerdict::Undecided { reason } => {
+                write!(f, "is not accurate enough for a verdict: {reason}")
+            }
         }
     }
 }
@@ -100,7 +102,7 @@ impl Display for Agreement {
             }
             Agreement::BreaksAlone => {
                 "Both are right: a map that breaks loops can have a symplectic Jacobian almost \
-                 everywhere, as derivatives do not see jumps. The jumps alone change the loop integral."
+                 everywhere, as derivatives do not detect jumps. The jumps alone change the loop integral."
             }
             Agreement::BelowBoundOfLoops { bound } => {
                 return write!(
@@ -134,7 +136,7 @@ impl Display for Agreement {
                  symplectic."
             }
             Agreement::LoopsUndecided => {
-                "The loops do not decide, and derivatives do not see jumps: follow the advice of the \
+                "The loops do not decide, and derivatives do not detect jumps: follow the advice of the \
                  loops' verdict."
             }
             Agreement::JacobianUndecided => "The verdict rests on the loops only.",

@@ -43,7 +43,7 @@ impl Display for LocalisationFinding {
             LocalisationFinding::Sectors { sectors, step } => fmt_sectors(f, sectors, step),
             LocalisationFinding::Blocks { blocks } => write!(
                 f,
-                "Defects by block: MᵀJM − J: {}; Poisson brackets after the step: {}.",
+                "Largest defects by kind of variables, before the step (MᵀJM − J): {}. After it (Poisson brackets): {}.",
                 blocks_text(&blocks.before),
                 blocks_text(&blocks.after)
             ),
@@ -144,7 +144,7 @@ fn fmt_sectors(f: &mut Formatter<'_>, sectors: &[Sector], step: &Step) -> Result
     let Some(largest) = largest_sector(sectors) else {
         return write!(
             f,
-            "No sector of the disc within the loop stands out {step}."
+            "No sector of the disc within the loop changes by much more than the others {step}."
         );
     };
     let all: f64 = sectors.iter().map(|sector| sector.change.abs()).sum();

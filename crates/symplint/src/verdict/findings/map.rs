@@ -65,7 +65,7 @@ impl Display for MapFinding {
             MapFinding::Precision(precision) => fmt_precision(f, precision),
             MapFinding::SingleInside => f.write_str(
                 "States that are a few units of single precision apart scatter by as much after the step: the map \
-                 works in single precision inside, or rounds as coarsely.",
+                 appears to compute in single precision.",
             ),
             MapFinding::Scatter(scatter) => fmt_scatter(f, scatter),
             MapFinding::IgnoresStepSize => f.write_str(
@@ -74,7 +74,7 @@ impl Display for MapFinding {
             MapFinding::WrongPeriod(wrong) => write!(
                 f,
                 "{:?} is not a period of the map in {}[{}]: two states that differ by it differ after the step by {:.1e} \
-                 more. No random loop winds round it. Correct the period, or leave it out.",
+                 more. No random loop winds around it. Correct the period, or leave it out.",
                 wrong.period, wrong.coordinate, wrong.dof, wrong.difference
             ),
             MapFinding::Regularity { exponent, step } => write!(
@@ -110,7 +110,7 @@ fn fmt_scatter(f: &mut Formatter<'_>, scatter: &Scatter) -> Result {
         ScatterKind::Noise => write!(
             f,
             "Results of one state differ at random, by {size:.0e} in {coordinate}[{dof}], as in parallel sums or after a \
-             solver that starts at random. Figures differ from run to run by this noise."
+             solver that starts at random. Results differ from run to run by this noise."
         ),
         ScatterKind::RandomNumbers => write!(
             f,
@@ -206,7 +206,7 @@ fn beyond(f: &mut Formatter<'_>, reach: &Reach, more: bool) -> Result {
 
 fn little_motion(f: &mut Formatter<'_>, motion: &Motion, group: Option<usize>) -> Result {
     if motion.deformation == 0.0 {
-        f.write_str("The step did not move the loop, or only as a whole.")
+        f.write_str("The step moved all states of the loop by the same amount, or not at all.")
     } else if motion.shear {
         write!(
             f,

@@ -117,12 +117,11 @@ impl Display for SampleFinding {
             }
             SampleFinding::NotClosed { jump } => write!(
                 f,
-                "Degree of freedom {} already jumps before the step, by {} in q and {} in p near s = {:.6}: the \
-                 samples form no closed loop.",
-                jump.dof,
+                "q[{dof}] and p[{dof}] jump before the step, by {} and {} near s = {:.6}: the samples form no closed loop.",
                 short(jump.jump_q),
                 short(jump.jump_p),
-                jump.s
+                jump.s,
+                dof = jump.dof
             ),
             SampleFinding::JumpingSamples {
                 loops,
@@ -133,7 +132,7 @@ impl Display for SampleFinding {
             } => write!(
                 f,
                 "{loops} of {of} advanced loops jump between neighbouring samples, {jumps} times {step}: the map \
-                 is discontinuous as far as {samples} samples can tell."
+                 is discontinuous at the resolution of {samples} samples."
             ),
             SampleFinding::SmallJumps { size, step } => write!(
                 f,
