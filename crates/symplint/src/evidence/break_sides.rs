@@ -44,6 +44,9 @@ pub struct CoordinateAtBreak {
     pub jumps: bool,
     /// On which side its value is the same, to the last bit, at states that differ.
     pub constant: [bool; 2],
+    /// Its range after the largest step, as far as samples of the given loop show it; 0 if it is not known.
+    #[serde(default)]
+    pub range: f64,
     /// Half its range on the loop, or what tests take for it if the loop leaves it at rest.
     pub radius: f64,
 }

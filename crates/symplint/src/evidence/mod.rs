@@ -23,8 +23,8 @@ pub(crate) use motion::{LEAST_DEFORMATION, LEAST_PHASE_ADVANCE, defect_of_order_
 pub use motion::{Motion, Reach};
 pub use picture::LoopPicture;
 pub use point::{BreakAt, Point, Sweep};
-pub(crate) use preserved_form::monomial;
 pub use preserved_form::{DigitsOfMatrix, FormEntry, FormOnLoop, PreservedForm};
+pub(crate) use preserved_form::{monomial, uncertain_part};
 pub use step::{Closing, JumpingCells, StepEvidence, Wrap};
 pub(crate) use step::{MOST_CELLS_APART, UNEXPLAINED, WEAKEST_BOUND};
 pub use structure::{EnergyAtStep, EnergyChange, ReturnDefect, StructureEvidence};

@@ -2,8 +2,6 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::signal::SIGNIFICANT;
-
 /// The search for a constant two-form Ω that a step preserves: MᵀΩM = Ω for its Jacobian M at every state.
 ///
 /// Coordinates are counted from 0, all positions first, then all momenta, as the map has them: without weights.
@@ -90,12 +88,26 @@ pub(crate) fn monomial(powers: [u8; 3], q: impl Fn(usize) -> f64) -> f64 {
     of_q.map(|(i, power)| q(i).powi((*power).into())).product()
 }
 
-impl FormOnLoop {
-    /// Whether the preserved form changes after all.
-    pub(crate) fn is_significant(&self) -> bool {
-        self.preserved[0].abs() > SIGNIFICANT * self.preserved[1]
-    }
+/// The largest relative error of an entry, rounding at least: loops that one entry contributes little to do not show it. Entries with six
+/// digits fewer than their errors support have no error: they are numbers that a person chose.
+pub(crate) fn uncertain_part(entries: &[FormEntry]) -> f64 {
+    const FEWER: f64 = 1e-6;
+    let error = |of: &FormEntry| {
+        let error = of.relative_error();
+        let number = format!("{:e}", of.value.abs());
+        let digits = number
+            .chars()
+            .take_while(|c| *c != 'e')
+            .filter(char::is_ascii_digit);
+        match error < FEWER * 10f64.powi(-(digits.count() as i32)) {
+            true => 0.0,
+            false => error,
+        }
+    };
+    entries.iter().map(error).fold(f64::EPSILON, f64::max)
+}
 
+impl FormOnLoop {
     /// The largest change that the preserved form may have.
     pub(crate) fn bound(&self) -> f64 {
         self.preserved[0].abs() + self.preserved[1]

@@ -52,6 +52,8 @@ pub struct HeldCoordinate {
     pub value: f64,
     /// The part of the samples, next to each other, that have it.
     pub part: f64,
+    /// The loop parameter of the middle one of them.
+    pub s: f64,
 }
 
 /// A stated period P that is not one of the map: Φ(q + P, p) differs from Φ(q, p) + (P, 0).

@@ -14,6 +14,7 @@ use crate::loops::FEW_SAMPLES;
 use crate::rules::Subject;
 use crate::state::{Coordinates, Ensemble};
 use held::Held;
+pub(crate) use held::is_set;
 use motion::Motions;
 use precision::Precision;
 
@@ -28,6 +29,7 @@ pub(crate) fn of_samples(subject: Subject<'_>, after: &Ensemble) -> SampleSurvey
     let mut before = Ensemble::zeros(after.dof(), samples);
     subject.phase_loop.sample(&s, &mut before.block());
     let mut look = SurveySums::new(after.dof());
+    look.held = Some(Held::new(after.dof()));
     look.add(subject, &before, &after_step);
     look.seen(subject)
 }
@@ -74,7 +76,8 @@ pub(crate) struct SampleSurvey {
 struct SurveySums {
     motions: Motions,
     precision: Precision,
-    held: Held,
+    /// Not of few samples: in many degrees of freedom it takes as much memory as some dozen states.
+    held: Option<Held>,
 }
 
 impl SurveySums {
@@ -82,14 +85,16 @@ impl SurveySums {
         SurveySums {
             motions: Motions::new(dof),
             precision: Precision::new(dof),
-            held: Held::new(dof),
+            held: None,
         }
     }
 
     fn add(&mut self, subject: Subject<'_>, before: &Ensemble, after: &Ensemble) {
         self.motions.add(before, after, subject.coordinates());
         self.precision.add(before, after);
-        self.held.add(before, after);
+        if let Some(held) = &mut self.held {
+            held.add(before, after);
+        }
     }
 
     fn seen(&self, subject: Subject<'_>) -> SampleSurvey {
@@ -97,7 +102,7 @@ impl SurveySums {
             motion: self.motions.value(subject.coordinates()),
             output_precision: self.precision.value(),
             one_state: self.precision.is_one_state(),
-            held: self.held.value(),
+            held: self.held.as_ref().and_then(Held::value),
         }
     }
 }

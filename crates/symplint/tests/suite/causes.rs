@@ -652,7 +652,7 @@ fn weights_that_are_nearly_short_numbers_have_all_digits_that_loops_show() {
         found.setting.as_deref(),
         Some("weight = [1, 0.9999900001, 1]")
     );
-    assert!(found.digits.unwrap() > 13.5, "{found:?}");
+    assert!(found.digits.unwrap() > 12.0, "{found:?}");
 }
 
 #[test]

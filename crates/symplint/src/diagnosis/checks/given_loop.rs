@@ -47,7 +47,6 @@ impl Runner<'_> {
             )
         });
         self.evidence.survey.one_state = seen.one_state;
-        self.evidence.survey.held = seen.held;
         let of_grain = || survey::of_grain(&*subject.evaluator.grain()?);
         self.evidence.survey.output_precision = seen.output_precision.or_else(of_grain);
 
@@ -74,6 +73,11 @@ impl Runner<'_> {
             self.omit(Check::GivenLoop, Why::Unresolved);
         }
         let size = LoopSize::of(subject.evaluator, subject.phase_loop, self.largest)?;
+        if let Some(held) = seen.held {
+            let is_set = survey::is_set(subject, &size, self.largest, &held);
+            // Beside the loop the map need not be defined, and the budget may be spent.
+            self.evidence.survey.held = is_set.unwrap_or(false).then_some(held);
+        }
         Ok(GivenLoop { probe, cost, size })
     }
 

@@ -1,7 +1,9 @@
 //! The Jacobian of a step.
 
 use super::{GivenLoop, Runner, failed};
-use crate::diagnosis::limits::{BLOCKS_PART, CLEAR_OF_METHOD, DECAY_PART};
+use crate::diagnosis::limits::{
+    BLOCKS_PART, CLEAR_OF_METHOD, DECAY_PART, JACOBIAN_PART_OF_MANY, MOST_OF_BLOCKS,
+};
 use crate::error::Error;
 use crate::evidence::{Check, FEWEST_OF_A_LAW, LoopEvidence, NARROWEST_RANGE, Why};
 use crate::jacobian::{DefectBlocks, JacobianDecay, JacobianEvidence, JacobianTest};
@@ -81,7 +83,12 @@ impl Runner<'_> {
         };
         let left = self.left_for_features(dof);
         let cost = one.evaluations(dof, has_tangent) + JacobianTest::ALONG_TIME;
-        if found.full || found.projected || cost > left.min(self.count.made() / BLOCKS_PART) {
+        let planned = self.evidence.evaluations.budget / JACOBIAN_PART_OF_MANY;
+        let most = (self.count.made() / BLOCKS_PART).max(planned);
+        if dof > MOST_OF_BLOCKS {
+            return None;
+        }
+        if found.full || found.projected || cost > left.min(most) {
             return None;
         }
         let one = JacobianTest {

@@ -158,15 +158,16 @@ fn remedy(kind: CauseKind) -> &'static str {
     match kind {
         CauseKind::ForceWithCurl => {
             "Test the force without the step: `check_force(F, q0)`. Look for a pair force without its reaction, a coupling with a wrong \
-             sign, a force from a table or a network that predicts forces instead of an energy."
+             sign, a force from a table or a network that predicts forces instead of an energy. If the force passes, look for time steps \
+             that differ from particle to particle."
         }
         CauseKind::VelocityWithCurl => {
             "Test how positions are advanced: dq/dt has to be the gradient of a kinetic energy in p, with a symmetric mass matrix."
         }
         CauseKind::PartialFriction => {
             "Look for friction, a thermostat, a filter or a limit on these momenta, for momenta that the step rescales, and for masses that \
-             depend on q or p: velocities are no momenta then (`mass_matrix`), and the force needs its part −∂T/∂q (`check_field`). With \
-             friction on purpose, the step is not symplectic."
+             depend on q or p: velocities are no momenta then (`mass_matrix`), and the force needs its part −∂T/∂q (`check_field`). Time \
+             steps that differ from particle to particle look the same. With friction on purpose, the step is not symplectic."
         }
         _ => {
             "Iterate until the stages are solved to rounding error. If the method is an explicit Runge–Kutta method, use a symplectic \

@@ -6,7 +6,7 @@ use super::{Cause, CauseKind, Clues};
 use crate::breaks::Break;
 use crate::evidence::{BreakSides, CoordinateAtBreak, Evidence, PositionAtBreak};
 use crate::signal::nearest;
-use crate::text::{loop_name, short, significant};
+use crate::text::{loop_name, short, significant, two_digits};
 use crate::verdict::findings::{degrees_of_freedom, listed};
 use crate::verdict::thresholds::FLICKERING;
 
@@ -22,9 +22,9 @@ const OF_EXPONENT: f64 = 0.4;
 /// is made in four parts, and the direction of a jump is random otherwise.
 const ON_TRAJECTORY: f64 = 0.02;
 
-/// The jumps of q and p that a force makes have ratios Δq/Δp of one sign, which differ by less than this factor from break to break: the
-/// time from a kick to the end of the step, over the mass. Conventional: a step has few kicks.
-const OF_RATIOS: f64 = 10.0;
+/// A force that jumps moves a position by at most the change of its momentum times h over the mass, and by up to this many times as much if
+/// a method has kicks outside its step, as those of order 4 have. Conventional.
+const OF_RATIOS: f64 = 4.0;
 
 /// How the jumps of a loop depend on the step size: the exponents of h.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -146,7 +146,9 @@ impl Clues<'_> {
             .map(f64::abs)
             .collect();
         let same = |other: &f64| (other - length).abs() <= EQUAL * length;
-        if sides.jumping != 1 || elsewhere.len() < 2 || !elsewhere.iter().all(same) {
+        // Wrapped, a coordinate lies in one period.
+        let is_wrapped = of.range <= (1.0 + EQUAL) * length;
+        if sides.jumping != 1 || elsewhere.len() < 2 || !elsewhere.iter().all(same) || !is_wrapped {
             return None;
         }
         // Steps of one size do not tell a period from a force that jumps, unless the loop fits into the period.
@@ -166,16 +168,20 @@ impl Clues<'_> {
         };
         let names = listed(dofs.iter().map(|dof| format!("{}[{dof}]", of.coordinate)));
         let value = significant(length);
-        let (jump, is, it_is, or_a) = match dofs.len() {
-            1 => ("alone jumps", "is an angle", "it is", "or a position"),
-            _ => ("jump one by one", "are angles", "they are", "or positions"),
+        let (jump, it_is) = match dofs.len() {
+            1 => ("alone jumps", "it is"),
+            _ => ("jump one by one", "they are"),
+        };
+        let what = match (of_q, dofs.len()) {
+            (true, 1) => "is an angle or a position in a periodic box of this length",
+            (true, _) => "are angles or positions in a periodic box of this length",
+            (false, 1) => "has this period",
+            (false, _) => "have this period",
         };
         let mut cause = Cause::new(
             CauseKind::Period,
             format!("{names} {jump}, by {value} at every break: {it_is} wrapped into a period."),
-            format!(
-                "If {names} {is} {or_a} in a periodic box of this length, state it: {setting}.{others}"
-            ),
+            format!("If {names} {what}, state it: {setting}.{others}"),
         );
         cause.setting = Some(setting);
         Some(cause)
@@ -204,7 +210,7 @@ impl Clues<'_> {
             Some(law) => {
                 low * high < 0.0 && is_about(law.p, 0.0) && (!q.jumps || law.q > 1.0 - OF_EXPONENT)
             }
-            None => (low + high).abs() < EQUAL * (high - low).abs() && !q.jumps,
+            None => (low + high).abs() < EQUAL * (high - low).abs(),
         };
         if !is_reflected || sides.jumping > 2 {
             return None;
@@ -325,14 +331,14 @@ impl Clues<'_> {
                 "q and p jump together, like h^{exponent:.1}: less than a step moves them, as an error of the method does"
             ),
             _ => {
-                let [least, most] = self.ratios().filter(|[least, most]| {
-                    least * most < 0.0
-                        || most.abs().max(least.abs()) > OF_RATIOS * most.abs().min(least.abs())
-                })?;
+                let [ratio, of_motion] = self.ratios()?;
+                if ratio <= OF_RATIOS * of_motion {
+                    return None;
+                }
                 format!(
-                    "q and p jump together, with Δq/Δp from {} to {} at one step size, and not in one ratio as by a force that jumps",
-                    short(least),
-                    short(most)
+                    "q and p jump together, with Δq/Δp up to {} at one step size. A force that jumps reaches about {} there",
+                    two_digits(ratio),
+                    two_digits(of_motion)
                 )
             }
         };
@@ -346,18 +352,21 @@ impl Clues<'_> {
         ))
     }
 
-    /// The least and the largest Δq/Δp of breaks of one degree of freedom at the step size of the break that was examined.
+    /// The largest |Δq/Δp| of breaks of one degree of freedom at the step size of the break that was examined, and the largest change of
+    /// its position over its momentum: h over the mass.
     fn ratios(&self) -> Option<[f64; 2]> {
         let sides = self.sides()?;
-        let dof = sides.coordinates.first()?.dof;
+        let dof = sides.of_break;
         let [q, p] = ['q', 'p'].map(|of| sides.coordinate(of, dof).map(|of| EQUAL * of.radius));
         let (least_q, least_p) = (q?, p?);
         let ratios = (self.jumps())
             .filter(|(size, of)| *size == sides.step_size && of.dof == dof)
             .map(|(_, of)| of)
             .filter(|of| of.jump_q.abs() > least_q && of.jump_p.abs() > least_p)
-            .map(|of| [of.jump_q / of.jump_p; 2]);
-        ratios.reduce(|[least, most], [ratio, _]| [least.min(ratio), most.max(ratio)])
+            .map(|of| (of.jump_q / of.jump_p).abs());
+        let of_motion =
+            (sides.places.iter()).map(|at| ((at.after - at.before) / at.velocity).abs());
+        Some([ratios.reduce(f64::max)?, of_motion.reduce(f64::max)?])
     }
 }
 
@@ -505,7 +514,7 @@ fn plainest(length: f64, values: [f64; 2]) -> f64 {
 
 /// A setting of some degrees of freedom: `period = [0, 6.283185307179586]`.
 fn setting_of(key: &str, of: &[usize], dofs: usize, value: f64) -> String {
-    const LISTED: usize = 12;
+    const LISTED: usize = 32;
     if dofs > LISTED {
         return format!("{key} = {value} for {}", degrees_of_freedom(of));
     }

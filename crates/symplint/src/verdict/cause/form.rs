@@ -4,7 +4,7 @@ use std::cmp::Reverse;
 use std::collections::BTreeMap;
 
 use super::{Cause, CauseKind, Clues};
-use crate::evidence::{DigitsOfMatrix, FormEntry, FormOnLoop, PreservedForm};
+use crate::evidence::{DigitsOfMatrix, FormEntry, FormOnLoop, PreservedForm, uncertain_part};
 use crate::signal::SIGNIFICANT;
 use crate::text::{one_digit, significant, size, two_digits};
 use crate::verdict::advice::Advice;
@@ -110,7 +110,7 @@ impl Clues<'_> {
         };
         Some(Cause {
             setting: Some(setting.clone()),
-            digits: Some((-bound.max(f64::EPSILON).log10() * 10.0).floor() / 10.0),
+            digits: Some((-bound.max(uncertain_part(&form.entries)).log10() * 10.0).floor() / 10.0),
             ..Cause::new(kind, text, format!("{remedy}: {setting}.{otherwise}{only}"))
         })
     }

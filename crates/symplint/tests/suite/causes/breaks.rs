@@ -3,7 +3,9 @@
 use std::f64::consts::TAU;
 
 use symplint::verdict::CauseKind;
-use symplint::{Circle, Coordinates, Diagnostic, PerSample, TimeAdvance, VerdictKind};
+use symplint::{
+    Circle, Coordinates, Diagnostic, Ensemble, PerSample, SampledLoop, TimeAdvance, VerdictKind,
+};
 
 use super::{cause, diagnose, leapfrog, verdict};
 
@@ -312,9 +314,98 @@ fn a_solver_with_a_large_tolerance_is_told_from_a_force_by_its_ratios() {
     };
     for tolerance in [1e-2, 1e-3] {
         let found = verdict(&solver(tolerance), &[1.0], &[0.5], 1.0);
-        let found = cause(&found, CauseKind::ChoiceInside, &["Δq/Δp from"]);
+        let found = cause(&found, CauseKind::ChoiceInside, &["Δq/Δp up to"]);
         assert!(found.remedy.contains("tolerance"), "{}", found.remedy);
     }
     let found = verdict(&solver(1e-15), &[1.0], &[0.5], 1.0);
     assert_eq!(found.kind, VerdictKind::Symplectic, "{found}");
+}
+
+#[test]
+fn jumps_of_one_length_are_no_period_if_values_spread_further() {
+    // Wrapped, a coordinate lies in one period after the step.
+    let force = PerSample::new(2, |h, q, p| {
+        for (q, p) in q.iter_mut().zip(p) {
+            *q += 0.5 * h * *p;
+            *p -= h * q.sin();
+            *q += 0.5 * h * *p;
+            *p += if *q > 0.2 { 10.0 * h } else { 0.0 };
+        }
+    });
+    let shift = PerSample::new(2, |_, q, _| {
+        q.iter_mut()
+            .for_each(|q| *q += if *q > 0.2 { 0.5 } else { 0.0 });
+    });
+    let circle = Circle::new(vec![0.2, 0.25], vec![0.3, 0.4], 0.4).unwrap();
+    let diagnostic = Diagnostic {
+        budget: Some(20_000),
+        step_sizes: vec![0.1],
+        ..Diagnostic::default()
+    };
+    for map in [&force as &dyn TimeAdvance, &shift] {
+        let found = diagnostic.run(map, &circle).unwrap().verdict;
+        assert_eq!(found.kind, VerdictKind::BrokenLoops);
+        assert_ne!(found.cause.map(|of| of.kind), Some(CauseKind::Period));
+    }
+}
+
+#[test]
+fn a_wall_is_named_from_one_step_size() {
+    let map = PerSample::new(1, |h, q, p| {
+        if q[0] > 0.8 {
+            (q[0], p[0]) = (1.6 - q[0], -p[0]);
+        }
+        q[0] += h * p[0];
+    });
+    let circle = Circle::new(vec![0.7], vec![0.3], 0.3).unwrap();
+    let diagnostic = Diagnostic {
+        budget: Some(20_000),
+        step_sizes: vec![0.1],
+        ..Diagnostic::default()
+    };
+    let found = diagnostic.run(&map, &circle).unwrap().verdict;
+    cause(&found, CauseKind::Wall, &["p[0] changes its sign"]);
+}
+
+#[test]
+fn an_edge_of_a_polygon_that_a_drift_makes_upright_is_not_clipped() {
+    // On edges of slope −1/h, q + hp is constant to the last bit.
+    let map = PerSample::new(1, |h, q, p| {
+        q[0] += h * p[0];
+        p[0] *= (-0.3 * h).exp();
+    });
+    let (mut q, mut p) = (Vec::new(), Vec::new());
+    for edge in 0..4 {
+        for k in 0..16 {
+            let t = k as f64 / 16.0;
+            let corner = [[t, 1.0 - t], [1.0 - t, -t], [-t, t - 1.0], [t - 1.0, t]][edge];
+            q.push(0.5 + 0.25 * corner[0]);
+            p.push(0.25 + 0.25 * corner[1]);
+        }
+    }
+    let mut states = Ensemble::zeros(1, q.len());
+    states.block().q.row_mut(0).copy_from_slice(&q);
+    states.block().p.row_mut(0).copy_from_slice(&p);
+    let diamond = SampledLoop::new(states, &Coordinates::plain(1)).unwrap();
+    let diagnostic = Diagnostic {
+        budget: Some(20_000),
+        step_sizes: vec![1.0, 0.5],
+        ..Diagnostic::default()
+    };
+    let found = diagnostic.run(&map, &diamond).unwrap().verdict;
+    assert_ne!(found.cause.map(|of| of.kind), Some(CauseKind::Clipped));
+}
+
+#[test]
+fn the_part_of_a_loop_that_is_clipped_goes_round_its_end() {
+    let map = PerSample::new(1, |h, q, p| {
+        q[0] += 0.5 * h * p[0];
+        p[0] -= h * q[0].sin();
+        q[0] += 0.5 * h * p[0];
+        p[0] = p[0].min(0.3);
+    });
+    let found = diagnose(&map, &[0.5], &[0.5], 0.3);
+    let held = found.evidence.survey.held.unwrap();
+    assert!(held.part > 0.5, "{held:?}");
+    assert!(held.s < 0.25 || held.s > 0.75, "{held:?}");
 }

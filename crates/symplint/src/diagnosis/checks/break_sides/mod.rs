@@ -13,7 +13,7 @@ use crate::error::Error;
 use crate::evidence::{AlongFlow, BreakSides, CoordinateAtBreak, PositionAtBreak};
 use crate::map::{LoopSize, states_at};
 use crate::rules::Subject;
-use crate::signal::{dot, nearest};
+use crate::signal::{Extent, dot, nearest};
 use crate::state::{Ensemble, coordinate, coordinate_mut, period};
 
 /// The images of states on both sides of a break, the nearest first.
@@ -64,6 +64,16 @@ impl Runner<'_> {
             sides.along_flow = along_flow(subject, h, &low_and_high, &given.size)?;
         }
         sides.places = places(subject, h, &breaks)?;
+        if let Some(picture) = &self.evidence.picture {
+            for of in &mut sides.coordinates {
+                let c = if of.coordinate == 'q' {
+                    of.dof
+                } else {
+                    sides.dof + of.dof
+                };
+                of.range = Extent::of(coordinate(&picture.after, c)).length();
+            }
+        }
         self.evidence.break_sides = Some(sides);
         Ok(())
     }
@@ -177,6 +187,7 @@ impl Sides {
         let above = low.0 + nearest(high.0 - low.0, period);
         let rounding = 16.0 * f64::EPSILON * low.0.abs().max(above.abs());
         CoordinateAtBreak {
+            range: 0.0,
             coordinate: if c < dof { 'q' } else { 'p' },
             dof: c % dof,
             before: coordinate(before, c)[0],

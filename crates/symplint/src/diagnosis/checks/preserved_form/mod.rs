@@ -19,7 +19,9 @@ use on_loops::AdvancedLoop;
 use super::random_loops::loop_of_kind;
 use super::{GivenLoop, Runner};
 use crate::error::Error;
-use crate::evidence::{Check, FormEntry, FormOnLoop, LoopEvidence, LoopKind, PreservedForm, Why};
+use crate::evidence::{
+    Check, FormEntry, FormOnLoop, LoopEvidence, LoopKind, PreservedForm, Why, uncertain_part,
+};
 use crate::jacobian::{JacobianEvidence, JacobianTest, TangentImages};
 use crate::loops::FEW_SAMPLES;
 use crate::rules::Subject;
@@ -129,15 +131,11 @@ impl Runner<'_> {
         if !is_known(&exact, LARGEST_ERROR_OF_JACOBIAN) {
             return Ok(None);
         }
-        let (chosen, is_short) = rounded::rounded(&exact, dof, None);
-        // Numbers that a person may have chosen are those of the map if loops show no change of their form.
-        if is_short && holds(&chosen) {
-            let loops = self.on_loops(subject, given, &chosen)?;
-            if !loops.iter().any(FormOnLoop::is_significant) {
-                return Ok(Some((chosen, loops)));
-            }
-        }
-        let entries = self.refined(subject, given, exact)?.unwrap_or(chosen);
+        let chosen = rounded::rounded(&exact, dof, None);
+        let entries = match uncertain_part(&chosen) > f64::EPSILON {
+            true => self.refined(subject, given, &exact)?.unwrap_or(chosen),
+            false => chosen,
+        };
         Ok(match holds(&entries) {
             true => Some((entries.clone(), self.on_loops(subject, given, &entries)?)),
             false => None,
@@ -197,28 +195,25 @@ impl Runner<'_> {
         &self,
         subject: Subject<'_>,
         given: &GivenLoop<'_>,
-        entries: Vec<FormEntry>,
+        entries: &[FormEntry],
     ) -> Result<Option<Vec<FormEntry>>, Error> {
-        let groups = entries.iter().map(|of| of.group + 1).max().unwrap_or(0);
-        let affordable = self.count.left() / FEW_SAMPLES;
-        let loops = (entries.len() - groups)
-            .min(MOST_REFINING)
-            .min(affordable.saturating_sub(2));
-        if loops == 0 {
+        let coordinates = subject.coordinates();
+        let loops = entries.len().min(MOST_REFINING);
+        // One entry alone has the unit of its group.
+        if entries.len() < 2 || (loops + 2) * FEW_SAMPLES > self.count.left() {
             return Ok(None);
         }
         let mut changes = Vec::new();
         for k in 0..loops {
             let seed = SEED_OF_REFINING.wrapping_add(self.diagnostic.seed + k as u64);
-            let (kind, coordinates) = (LoopKind::Extended, subject.coordinates());
-            let random = loop_of_kind(kind, None, &given.size, coordinates, seed)?;
+            let random = loop_of_kind(LoopKind::Extended, None, &given.size, coordinates, seed)?;
             let advanced = AdvancedLoop::new(subject.on(random.as_ref()), self.largest)?;
-            changes.extend(advanced.change(&entries, coordinates));
+            changes.extend(advanced.change(entries, coordinates));
         }
         let resolutions = changes.iter().map(|of| of.uncertainty / of.scale);
         let resolution = resolutions.reduce(f64::min);
-        let refined = refine::refined(&entries, &changes);
-        Ok(refined.map(|refined| rounded::rounded(&refined, subject.dof(), resolution).0))
+        let refined = refine::refined(entries, &changes);
+        Ok(refined.map(|refined| rounded::rounded(&refined, subject.dof(), resolution)))
     }
 
     /// The changes of integrals of the form round the given loop and a random one.

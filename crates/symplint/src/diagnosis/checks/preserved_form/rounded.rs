@@ -42,16 +42,15 @@ pub(super) fn in_units(entries: &[FormEntry], size: &[f64]) -> Vec<Entry> {
 }
 
 /// The entries rounded to the digits that their errors support, in units of one of each group: that in which they are shortest, if they are
-/// short, then that of most entries. The second value says whether all are much shorter than their errors allow, as numbers are that a
-/// person chose; others have the digits of `resolution`, if loops show a relative change of the form as small as this.
+/// short, then that of most entries. Entries that are much shorter than their errors allow are numbers that a person chose; others have the
+/// digits of `resolution`, if loops show a relative change of the form as small as this.
 pub(super) fn rounded(
     entries: &[FormEntry],
     dof: usize,
     resolution: Option<f64>,
-) -> (Vec<FormEntry>, bool) {
+) -> Vec<FormEntry> {
     let mut rounded = entries.to_vec();
     let groups = entries.iter().map(|entry| entry.group + 1).max();
-    let mut all_short = true;
     for group in 0..groups.unwrap_or(0) {
         let of_group: Vec<usize> = (0..entries.len())
             .filter(|&k| entries[k].group == group)
@@ -65,7 +64,6 @@ pub(super) fn rounded(
             let is_short = saved >= COINCIDENCE || are_short && saved >= COINCIDENCE_OF_MEAN;
             let of_loops = resolution.map(|of| -of.max(f64::EPSILON).log10().floor());
             let digits = of_loops.unwrap_or(number.supported.max(0.0) + FURTHER_DIGITS);
-            all_short &= is_short;
             rounded[k].error = number.error;
             rounded[k].value = match is_short {
                 true => number.shortest,
@@ -73,7 +71,7 @@ pub(super) fn rounded(
             };
         }
     }
-    (rounded, all_short)
+    rounded
 }
 
 /// A value in some unit.
@@ -174,25 +172,24 @@ mod tests {
         values.iter().enumerate().map(entry).collect()
     }
 
-    fn values(of: &[f64], error: f64) -> (Vec<f64>, bool) {
-        let (found, short) = rounded(&entries(of, error), of.len(), None);
-        (found.iter().map(|of| of.value).collect(), short)
+    fn values(of: &[f64], error: f64) -> Vec<f64> {
+        let found = rounded(&entries(of, error), of.len(), None);
+        found.iter().map(|of| of.value).collect()
     }
 
     #[test]
     fn numbers_that_a_person_chose_are_found() {
-        assert_eq!(values(&[0.2, 0.600_000_02], 1e-7), (vec![1.0, 3.0], true));
+        assert_eq!(values(&[0.2, 0.600_000_02], 1e-7), [1.0, 3.0]);
         // In units of the last one.
-        let (found, short) = values(&[0.31 / 0.7, 12e-5 / 0.7, 1.0 / 0.7], 1e-9);
-        assert_eq!((found, short), (vec![0.31, 12e-5, 1.0], true));
-        assert_eq!(values(&[-2.0, -2.0, 6.0], 1e-9).0, [1.0, 1.0, -3.0]);
-        assert_eq!(values(&[-2.0, 6.0], 1e-9).0, [1.0, -3.0]);
+        let found = values(&[0.31 / 0.7, 12e-5 / 0.7, 1.0 / 0.7], 1e-9);
+        assert_eq!(found, [0.31, 12e-5, 1.0]);
+        assert_eq!(values(&[-2.0, -2.0, 6.0], 1e-9), [1.0, 1.0, -3.0]);
+        assert_eq!(values(&[-2.0, 6.0], 1e-9), [1.0, -3.0]);
     }
 
     #[test]
     fn other_numbers_keep_the_digits_that_their_errors_support() {
-        let (found, short) = values(&[1.0, std::f64::consts::PI], 1e-6);
-        assert!(!short);
+        let found = values(&[1.0, std::f64::consts::PI], 1e-6);
         assert!(
             (found[1] - std::f64::consts::PI).abs() < 1e-6,
             "{}",
