@@ -406,6 +406,6 @@ fn the_part_of_a_loop_that_is_clipped_goes_round_its_end() {
     });
     let found = diagnose(&map, &[0.5], &[0.5], 0.3);
     let held = found.evidence.survey.held.unwrap();
-    assert!(held.part > 0.5, "{held:?}");
+    assert!(held.part > 0.4, "{held:?}");
     assert!(held.s < 0.25 || held.s > 0.75, "{held:?}");
 }
