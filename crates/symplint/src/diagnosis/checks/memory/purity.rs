@@ -583,7 +583,7 @@ mod tests {
             panic!("{found:?}");
         };
         assert_eq!(dependence, Dependence::EarlierCalls);
-        // Random numbers of this size are none, one for each row or one for all.
+        // Random numbers of this size are no memory, one for each row or one for all.
         for rows in [1, 16] {
             for seed in 0..200 {
                 let map = pendulum(0.1, |count, _| scrambled(count / rows + 4096 * seed));
