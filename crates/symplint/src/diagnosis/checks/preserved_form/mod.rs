@@ -99,10 +99,11 @@ impl Runner<'_> {
                 (found.exists, found.change) = (Some(false), Some(change));
             }
             Fit::Preserved(entries) => {
-                if let Some((entries, loops)) = self.form(subject, given, &images, &entries)? {
+                if let Some(entries) = self.form(subject, given, &images, &entries)? {
+                    found.loops = self.on_loops(subject, given, &entries)?;
                     found.exists = Some(true);
                     found.groups = entries.iter().map(|of| of.group + 1).max().unwrap_or(0);
-                    (found.entries, found.loops) = (entries, loops);
+                    found.entries = entries;
                 }
             }
         }
@@ -110,15 +111,15 @@ impl Runner<'_> {
         Ok(())
     }
 
-    /// A form that fits the Jacobians, in the coordinates of the map with as many digits as it is known to, and its changes on loops. `None`
-    /// if the Jacobian at another state does not confirm it.
+    /// A form that fits the Jacobians, in the coordinates of the map with as many digits as it is known to. `None` if the Jacobian at
+    /// another state does not confirm it.
     fn form(
         &self,
         subject: Subject<'_>,
         given: &GivenLoop<'_>,
         images: &[TangentImages],
         of_fit: &[Entry],
-    ) -> Result<Option<(Vec<FormEntry>, Vec<FormOnLoop>)>, Error> {
+    ) -> Result<Option<Vec<FormEntry>>, Error> {
         let (dof, size) = (subject.dof(), given.size.radius.concat());
         let is_known = |entries: &[FormEntry], error: f64| {
             entries.iter().all(|entry| entry.relative_error() <= error)
@@ -136,10 +137,7 @@ impl Runner<'_> {
             true => self.refined(subject, given, &exact)?.unwrap_or(chosen),
             false => chosen,
         };
-        Ok(match holds(&entries) {
-            true => Some((entries.clone(), self.on_loops(subject, given, &entries)?)),
-            false => None,
-        })
+        Ok(holds(&entries).then_some(entries))
     }
 
     /// The images of tangent vectors at several states: those that the Jacobian has, and as many further ones as are needed. `None` if the
