@@ -6,7 +6,6 @@
 
 use super::{Cause, CauseKind, Clues};
 use crate::jacobian::DefectBlocks;
-use crate::text::one_digit;
 use crate::verdict::findings::blocks_text;
 use crate::verdict::slope::{slope_of, slope_of_jacobian};
 use crate::verdict::thresholds::TREND;
@@ -42,14 +41,12 @@ impl Clues<'_> {
     /// Only the length of the step differs from state to state.
     pub(super) fn own_step_length(&self) -> Option<Cause> {
         let blocks = self.evidence.jacobian.as_ref()?.blocks.as_ref()?;
-        let left = blocks.across_time.filter(|left| *left <= LEFT)?;
+        blocks.across_time.filter(|left| *left <= LEFT)?;
         Some(Cause::new(
             CauseKind::ChosenStepLength,
-            format!(
-                "The Jacobian differs from a symplectic one only along the trajectories (to {} of the defect): the step moves each \
-                 state by its own length of time, which depends on the state.",
-                one_digit(left)
-            ),
+            "The Jacobian differs from a symplectic one only along the trajectories (less than 0.1% of the defect is across them): the \
+             step moves each state by its own length of time, which depends on the state."
+                .to_owned(),
             "Give all states the same step size. If the step has to be short at some places, advance the equations in another time: \
              with h = τ·g(q, p), the Hamiltonian g·(H − H₀) has the same trajectories (Poincaré's transformation), and a symplectic \
              method with fixed τ conserves its areas.",
