@@ -32,7 +32,7 @@ pub(super) const MOST_ROUNDED: f64 = 2048.0;
 /// The part of the evaluations made so far that the blocks of a defect may take. Conventional: they name its cause.
 pub(super) const BLOCKS_PART: usize = 2;
 
-/// Degrees of freedom up to which blocks are looked at. Derived: the brackets of all coordinates take less than a second then.
+/// Degrees of freedom up to which blocks are measured. Derived: the brackets of all coordinates take less than a second then.
 pub(super) const MOST_OF_BLOCKS: usize = 200;
 
 /// The part of the evaluations made so far that a second step size of the Jacobian may take.

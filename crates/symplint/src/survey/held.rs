@@ -10,8 +10,8 @@ use crate::state::{Ensemble, coordinate, coordinate_mut};
 /// Neighbouring samples with the same result, at least. A smooth function takes a value at two neighbours at most.
 const FEWEST: usize = 3;
 
-/// States beside the loop that confirm a value, and how far they are from it, in sizes of the loop. Conventional.
-const BESIDE: usize = 2;
+/// States near the loop that confirm a value, and how far they are from it, in sizes of the loop. Conventional.
+const NEARBY: usize = 2;
 const DISTANCE: f64 = 1e-3;
 
 /// The longest runs of neighbouring samples that have the same value of a coordinate after the step, to the last bit, though both
@@ -43,14 +43,10 @@ impl Run {
     fn add(&mut self, sample: [f64; 3]) {
         let goes_on = self.ends.is_some_and(|[_, last]| are_held(last, sample));
         self.length = if goes_on { self.length + 1 } else { 1 };
-        if self.first == self.samples {
-            self.first = if goes_on || self.samples == 0 {
-                self.samples + 1
-            } else {
-                self.first
-            };
-        }
         self.samples += 1;
+        if self.length == self.samples {
+            self.first = self.length;
+        }
         self.ends = Some([self.ends.map_or(sample, |[first, _]| first), sample]);
         self.keep(self.length, self.samples - self.length, sample[2]);
     }
@@ -116,7 +112,7 @@ impl Held {
     }
 }
 
-/// Whether a coordinate has its value also at states beside the loop: on an edge of a polygon, a smooth map can have one value, too.
+/// Whether a coordinate has its value also at states near the loop: on an edge of a polygon, a smooth map can have one value, too.
 ///
 /// # Errors
 /// Those of the map.
@@ -127,8 +123,7 @@ pub(crate) fn is_set(
     held: &HeldCoordinate,
 ) -> Result<bool, Error> {
     let dof = subject.dof();
-    let at = states_at(subject.phase_loop, &[held.s; BESIDE]);
-    let mut states = at.clone();
+    let mut states = states_at(subject.phase_loop, &[held.s; NEARBY]);
     let mut block = states.block();
     for c in 0..2 * dof {
         // In another direction for each coordinate, and for each state.

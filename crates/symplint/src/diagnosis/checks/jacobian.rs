@@ -76,25 +76,18 @@ impl Runner<'_> {
     ) -> Option<DefectBlocks> {
         let (_, worst) = found.worst_point().filter(|_| found.shows_defect())?;
         let (dof, has_tangent) = (subject.dof(), subject.evaluator.has_tangent());
-        let one = JacobianTest {
+        let mut one = JacobianTest {
             points: 1,
             full_up_to: dof,
             ..*test
         };
-        let left = self.left_for_features(dof);
-        let cost = one.evaluations(dof, has_tangent) + JacobianTest::ALONG_TIME;
+        one.budget = one.evaluations(dof, has_tangent) + JacobianTest::ALONG_TIME;
         let planned = self.evidence.evaluations.budget / JACOBIAN_PART_OF_MANY;
         let most = (self.count.made() / BLOCKS_PART).max(planned);
-        if dof > MOST_OF_BLOCKS {
+        let is_affordable = one.budget <= most.min(self.left_for_features(dof));
+        if found.full || found.projected || dof > MOST_OF_BLOCKS || !is_affordable {
             return None;
         }
-        if found.full || found.projected || cost > left.min(most) {
-            return None;
-        }
-        let one = JacobianTest {
-            budget: cost,
-            ..one
-        };
         // A witness that fails is not missed.
         let at = vec![worst.s];
         let full = one.run_at(

@@ -248,16 +248,21 @@ fn coordinates_that_are_clipped_without_a_break_are_named() {
     assert_ne!(found.cause.map(|of| of.kind), Some(CauseKind::Clipped));
 }
 
-#[test]
-fn the_periods_of_several_particles_are_stated_at_once() {
-    let boxed = PerSample::new(3, |h, q, p| {
+/// A leapfrog step of three pendula, and what happens to each state at its end.
+fn three_pendula(wrap: fn(&mut f64, &mut f64)) -> PerSample<impl Fn(f64, &mut [f64], &mut [f64])> {
+    PerSample::new(3, move |h, q: &mut [f64], p: &mut [f64]| {
         for (q, p) in q.iter_mut().zip(p) {
             *p -= 0.5 * h * q.sin();
             *q += h * *p;
             *p -= 0.5 * h * q.sin();
-            *q = q.rem_euclid(6.0);
+            wrap(q, p);
         }
-    });
+    })
+}
+
+#[test]
+fn the_periods_of_several_particles_are_stated_at_once() {
+    let boxed = three_pendula(|q, _| *q = q.rem_euclid(6.0));
     let (q0, p0) = ([0.02, 0.05, 5.9], [0.1, 0.2, 0.3]);
     let found = verdict(&boxed, &q0, &p0, 0.5);
     let found = cause(
@@ -274,14 +279,7 @@ fn the_periods_of_several_particles_are_stated_at_once() {
 #[test]
 fn momenta_that_are_wrapped_are_reflected_at_no_wall() {
     // −1 and 1 are one momentum, and the sign of p changes without a jump of q, as at a wall.
-    let map = PerSample::new(3, |h, q, p| {
-        for (q, p) in q.iter_mut().zip(p) {
-            *p -= 0.5 * h * q.sin();
-            *q += h * *p;
-            *p -= 0.5 * h * q.sin();
-            *p = (*p + 1.0).rem_euclid(2.0) - 1.0;
-        }
-    });
+    let map = three_pendula(|_, p| *p = (*p + 1.0).rem_euclid(2.0) - 1.0);
     let circle = Circle::new(vec![0.7, -0.4, 1.1], vec![0.3, 0.5, -0.2], 1.0).unwrap();
     for budget in [3000, 20_000] {
         let diagnostic = Diagnostic {

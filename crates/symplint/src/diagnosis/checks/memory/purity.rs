@@ -373,8 +373,8 @@ fn follows_order(
     Ok(twice >= ROWS_IN_ORDER && 2 * twice >= once)
 }
 
-/// Whether the results of a batch settle if it follows its reverse again and again, and differ if it follows itself. Random numbers do
-/// not settle: of two differences, the later one is half as large by chance only.
+/// Whether the results of a batch settle if it follows its reverse again and again, and differ if it follows itself. Results settle if
+/// each change is less than half of the change before. Changes by random numbers are so by chance only.
 fn remembers(evaluator: &Evaluator<'_>, repeats: &Repeats) -> Result<bool, Error> {
     let forward = repeats.whole_batch();
     let reversed: Vec<usize> = (0..forward.samples()).rev().collect();
