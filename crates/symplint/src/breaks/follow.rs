@@ -77,10 +77,14 @@ pub(super) fn follow(
     let Some(found) = gap.as_break()? else {
         return Ok(Search::Clean);
     };
-    match gap.side_states()? {
-        SideStates::OnLevels => Ok(Search::Found(found)),
-        SideStates::Elsewhere => Ok(Search::Clean),
+    let side_states = gap.side_states()?;
+    if let SideStates::OnLevels = side_states {
+        return Ok(Search::Found(found));
+    }
+    gap.repeat_ends()?;
+    match side_states {
         SideStates::Flickering => gap.behind_the_zone(found),
+        _ => Ok(Search::Clean),
     }
 }
 
@@ -190,6 +194,22 @@ impl Gap<'_> {
             jump_p,
             substep: None,
         }))
+    }
+
+    /// Advances both ends once more: what the map does at random, or as earlier calls left it, looks like a break.
+    fn repeat_ends(&self) -> Result<(), Error> {
+        let Stretch {
+            evaluator, suspect, ..
+        } = self.stretch;
+        if evaluator.count().left() < self.ends.len() {
+            return Ok(());
+        }
+        let again = self.stretch.image(&self.ends.map(|end| end.s))?;
+        for (first, again) in self.ends.iter().zip(again) {
+            evaluator.compare(suspect.dof, [first.q, again.q]);
+            evaluator.compare(evaluator.dof() + suspect.dof, [first.p, again.p]);
+        }
+        Ok(())
     }
 
     /// Values on one side, from its end outwards.

@@ -2,9 +2,14 @@
 
 use std::sync::{Arc, PoisonError, RwLock};
 
-use super::{Before, Evaluator, Grain};
+use super::{Before, Difference, Evaluator, Grain};
 use crate::loops::Loop;
-use crate::state::Ensemble;
+use crate::signal::{SINGLE, nearest};
+use crate::state::{Ensemble, period};
+
+/// Two results for one state are taken for different if they are this number of roundings of single precision apart: sums in another
+/// order add up some. Conventional.
+const ROUNDINGS_OF_SINGLE: f64 = 4.0;
 
 /// A part of a loop, after a step of size `h`, that its samples do not resolve.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,6 +27,8 @@ pub(super) struct Notes {
     inside: Note<Option<Arc<Vec<f64>>>>,
     /// The noise of each coordinate, if results of one state differ at random.
     noise: Note<Option<Arc<Vec<f64>>>>,
+    /// The largest difference between two results for one state that a rule has met.
+    difference: Note<Option<Difference>>,
     /// Parameters of the present loop at which samples show a feature that they do not resolve.
     features: Note<Vec<Feature>>,
 }
@@ -122,5 +129,31 @@ impl Evaluator<'_> {
     /// The standard deviation of each coordinate, if results of one state differ at random.
     pub fn noise(&self) -> Option<Arc<Vec<f64>>> {
         self.notes.noise.get()
+    }
+
+    /// Compares two results for one state in a coordinate, and takes note if they differ by more than rounding.
+    pub fn compare(&self, c: usize, [first, again]: [f64; 2]) {
+        let size = nearest(again - first, period(self.coordinates(), c)).abs();
+        let single = ROUNDINGS_OF_SINGLE * 0.5f64.powi(SINGLE as i32);
+        let is_rounding = size <= single * first.abs().max(again.abs());
+        let is_of_grain = self.grain().is_some_and(|of| !of.is_exceeded(c, size));
+        if is_rounding || is_of_grain {
+            return;
+        }
+        self.notes.difference.change(|known| {
+            if known.is_none_or(|known| size > known.size) {
+                let dofs = self.dof();
+                *known = Some(Difference {
+                    coordinate: ['q', 'p'][c / dofs],
+                    dof: c % dofs,
+                    size,
+                });
+            }
+        });
+    }
+
+    /// The largest difference between two results for one state that a rule has met.
+    pub fn met_difference(&self) -> Option<Difference> {
+        self.notes.difference.get()
     }
 }

@@ -117,6 +117,29 @@ fn random_numbers_are_named_and_the_same_ones_for_all_decide() {
 }
 
 #[test]
+fn rare_random_numbers_are_no_breaks() {
+    // On one thread, so that the same rows are kicked in each run.
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1);
+    let pool = pool.build().unwrap();
+    for one_in in [100, 300, 1000] {
+        for seed in 1..=8 {
+            let rows = AtomicU64::new(seed << 32);
+            let map = batches(move |_, p| {
+                for p in p {
+                    let count = rows.fetch_add(1, Ordering::Relaxed);
+                    if scrambled(count).abs() * f64::from(one_in) < 0.5 {
+                        *p += 0.1;
+                    }
+                }
+            });
+            let verdict = pool.install(|| run(&map)).unwrap().verdict;
+            assert_eq!(verdict.kind, VerdictKind::Undecided, "{seed}: {verdict}");
+            assert_eq!(verdict.advice, [Advice::SameRandomNumbers], "{verdict}");
+        }
+    }
+}
+
+#[test]
 fn small_noise_limits_the_digits() {
     for size in [1e-8, 1e-10, 1e-12] {
         let found = run(&random(size, false)).unwrap();

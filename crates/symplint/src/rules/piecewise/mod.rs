@@ -248,6 +248,7 @@ impl Piecewise {
         let budget = Budget::new(most_evaluations, evaluations);
         let mut refinement = Refinement::new(curves, coordinates, scales, budget, samples);
         refinement.run(0, pieces)?;
+        refinement.repeat_ends()?;
         let closing = close(&mut refinement, self.closure)?;
         let break_uncertainty = break_uncertainty(&mut refinement)?;
         let mut integral = sum::sum(&refinement, &closing, break_uncertainty)?;

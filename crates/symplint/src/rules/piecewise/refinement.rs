@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::curves::{CurvePoint, Curves, PointImage};
 use super::examine::{Finding, TurningPoints, View, Why};
 use super::jump::{Judgement, Jump};
-use super::limits::{ELSEWHERE, LARGE, NOISE_LENGTH, SAFETY, SMALL};
+use super::limits::{ELSEWHERE, LARGE, NOISE_LENGTH, REPEATED, SAFETY, SMALL};
 use super::lobatto::DEGREE;
 use super::noise;
 use super::piece::{Piece, Smooth};
@@ -249,6 +249,27 @@ impl<'a> Refinement<'a> {
             let unresolved = pieces.filter_map(|outcome| outcome.piece.map(Smooth::unresolved));
             self.smooth.extend(unresolved);
         }
+    }
+
+    /// Advances the ends of the first breaks of the loop once more, if the budget allows it: what the map does at random, or as earlier
+    /// calls left it, looks like a break.
+    pub fn repeat_ends(&mut self) -> Result<(), Error> {
+        let of_loop = self.breaks.iter().filter(|found| found.curve == 0);
+        let repeated: Vec<(CurvePoint, PointImage)> = (of_loop.take(REPEATED))
+            .flat_map(|found| found.sides.into_iter().zip(found.images.clone()))
+            .map(|(s, image)| (CurvePoint::on(0, s), image))
+            .collect();
+        if !self.budget.grant(repeated.len()) {
+            return Ok(());
+        }
+        let points: Vec<CurvePoint> = repeated.iter().map(|(point, _)| *point).collect();
+        let images = self.images(&points, 0)?;
+        for ((_, first), again) in repeated.iter().zip(&images) {
+            for (c, (&first, &again)) in first.after().iter().zip(again.after()).enumerate() {
+                self.curves.evaluator.compare(c, [first, again]);
+            }
+        }
+        Ok(())
     }
 
     /// Raises the tolerances to the noise that the map has all along the loop, once.

@@ -87,22 +87,26 @@ impl Runner<'_> {
         Ok(())
     }
 
-    /// Keeps the difference between results for one state that the map knows, if it is the larger one.
+    /// Keeps the largest difference between results for one state that the map knows, or that a rule has met.
     fn note_difference(&mut self, evaluator: &Evaluator<'_>) {
-        let scatter = &mut self.evidence.survey.scatter;
-        if let Some(Difference {
-            coordinate,
-            dof,
-            size,
-        }) = evaluator.difference()
-            && scatter.is_none_or(|of| !of.is_random() && size > of.size)
-        {
-            *scatter = Some(Scatter {
+        let known = evaluator.difference().map(|of| (of, ScatterKind::Noise));
+        let met = evaluator.met_difference();
+        let met = met.map(|of| (of, ScatterKind::RandomNumbers));
+        for (difference, kind) in known.into_iter().chain(met) {
+            let Difference {
                 coordinate,
                 dof,
                 size,
-                kind: ScatterKind::Noise,
-            });
+            } = difference;
+            let scatter = &mut self.evidence.survey.scatter;
+            if scatter.is_none_or(|of| kind > of.kind || kind == of.kind && size > of.size) {
+                *scatter = Some(Scatter {
+                    coordinate,
+                    dof,
+                    size,
+                    kind,
+                });
+            }
         }
     }
 

@@ -412,7 +412,14 @@ fn remembers(evaluator: &Evaluator<'_>, repeats: &Repeats) -> Result<bool, Error
         }
         (settled, moved) = (now, by);
     }
-    Ok(difference(&advance(&forward)?, &settled) > 1.0)
+    let once = advance(&forward)?;
+    if difference(&once, &settled) <= 1.0 || cost > evaluator.count().left() {
+        return Ok(false);
+    }
+    // A rare random number does not come again.
+    after_reverse()?;
+    let twice = advance(&forward)?;
+    Ok(difference(&twice, &once) < 0.5 * difference(&twice, &settled))
 }
 
 /// Whether a third of the states, and two at least, have another result now than they had at first, and keep it.
