@@ -158,6 +158,3 @@ pub(super) const NEIGHBOURING_SAMPLES: usize = 6;
 
 /// The Fourier coefficients of a spike do not fall, s = −½; those of a jump fall by s = ½.
 pub(super) const OF_SPIKES: f64 = 0.25;
-
-/// Breaks of a loop whose ends are advanced once more. Conventional: one is enough to show a map that is none.
-pub(super) const REPEATED: usize = 4;

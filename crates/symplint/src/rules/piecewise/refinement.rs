@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::curves::{CurvePoint, Curves, PointImage};
 use super::examine::{Finding, TurningPoints, View, Why};
 use super::jump::{Judgement, Jump};
-use super::limits::{ELSEWHERE, LARGE, NOISE_LENGTH, REPEATED, SAFETY, SMALL};
+use super::limits::{ELSEWHERE, LARGE, NOISE_LENGTH, SAFETY, SMALL};
 use super::lobatto::DEGREE;
 use super::noise;
 use super::piece::{Piece, Smooth};
@@ -251,20 +251,18 @@ impl<'a> Refinement<'a> {
         }
     }
 
-    /// Advances the ends of the first breaks of the loop once more, if the budget allows it: what the map does at random, or as earlier
-    /// calls left it, looks like a break.
+    /// Advances the ends of one break of the loop once more, if the budget allows it: what the map does at random, or as earlier calls
+    /// left it, looks like a break.
     pub fn repeat_ends(&mut self) -> Result<(), Error> {
-        let of_loop = self.breaks.iter().filter(|found| found.curve == 0);
-        let repeated: Vec<(CurvePoint, PointImage)> = (of_loop.take(REPEATED))
-            .flat_map(|found| found.sides.into_iter().zip(found.images.clone()))
-            .map(|(s, image)| (CurvePoint::on(0, s), image))
-            .collect();
-        if !self.budget.grant(repeated.len()) {
+        let Some(found) = self.breaks.iter().find(|found| found.curve == 0) else {
+            return Ok(());
+        };
+        let first = found.images.clone();
+        let ends = found.sides.map(|s| CurvePoint::on(0, s));
+        if !self.budget.grant(ends.len()) {
             return Ok(());
         }
-        let points: Vec<CurvePoint> = repeated.iter().map(|(point, _)| *point).collect();
-        let images = self.images(&points, 0)?;
-        for ((_, first), again) in repeated.iter().zip(&images) {
+        for (first, again) in first.iter().zip(self.images(&ends, 0)?) {
             for (c, (&first, &again)) in first.after().iter().zip(again.after()).enumerate() {
                 self.curves.evaluator.compare(c, [first, again]);
             }
