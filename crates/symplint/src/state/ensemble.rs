@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 
+use super::in_parallel;
 use super::rows::PAGE;
 use crate::error::{Error, LOOK_AT_MAP, StateAt};
 use crate::signal::unwrap_row;
@@ -142,21 +143,23 @@ impl Ensemble {
             (between.dof, between.samples),
             "ensembles of one shape"
         );
-        let (samples, old) = (self.samples, self.stride);
-        let stride = row_stride(2 * samples);
-        let pairs = [(&mut self.q, between.q()), (&mut self.p, between.p())];
-        for (values, between) in pairs {
-            values.resize(self.dof * stride, 0.0);
-            // From the end: what is still to be moved lies before where it goes.
-            for i in (0..self.dof).rev() {
-                let between = between.row(i);
-                for k in (0..samples).rev() {
-                    values[i * stride + 2 * k + 1] = between[k];
-                    values[i * stride + 2 * k] = values[i * old + k];
-                }
+        // Into new memory, row by row, on all threads.
+        let mut all = Ensemble::zeros(self.dof, 2 * self.samples);
+        let (stride, len) = (all.stride, all.samples);
+        let first = [self.q(), self.p()].into_iter();
+        let pairs = first.zip([between.q(), between.p()]);
+        let rows = [&mut all.q, &mut all.p].into_iter().zip(pairs);
+        let rows = rows.flat_map(|(values, (first, second))| {
+            let rows = values.chunks_mut(stride).enumerate();
+            rows.map(move |(i, row)| (&mut row[..len], first.row(i), second.row(i)))
+        });
+        in_parallel(rows, len, |(row, first, second)| {
+            let pairs = first.iter().zip(second);
+            for (to, (&first, &second)) in row.as_chunks_mut().0.iter_mut().zip(pairs) {
+                *to = [first, second];
             }
-        }
-        (self.samples, self.stride) = (2 * samples, stride);
+        });
+        *self = all;
     }
 
     /// The samples of a loop with periodic momenta unwrapped, and the degrees of freedom in which they gain whole periods

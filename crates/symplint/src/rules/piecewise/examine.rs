@@ -20,8 +20,6 @@ use crate::state::{Coordinates, Ensemble, period};
 pub(super) enum Finding {
     /// Its interpolants are as good as wanted, if the states at turning points of positions agree.
     Smooth(TurningPoints),
-    /// They are not, and a higher degree may be.
-    Rough,
     /// They are not, and it is too short to be cut.
     TooShort,
     /// It jumps in this bracket.
@@ -58,7 +56,7 @@ pub(super) struct View<'a> {
     pub coordinates: &'a Coordinates,
     /// Equispaced samples of the advanced loop, if there are any.
     pub samples: Option<&'a Ensemble>,
-    /// The interpolants of all coordinates after the step.
+    /// The interpolants of all coordinates after the step, if they were made.
     pub fits: Vec<Fit>,
 }
 
@@ -107,18 +105,40 @@ impl<'a> View<'a> {
         coordinates: &'a Coordinates,
         samples: Option<&'a Ensemble>,
     ) -> Self {
-        let mut view = View {
+        View {
             piece,
             scales,
             coordinates,
             samples,
             fits: Vec::new(),
-        };
-        let last = view.stage(piece.image(0).stages() - 1);
-        view.fits = (0..2 * coordinates.dof())
-            .map(|c| view.fit(&last.values(c)))
-            .collect();
-        view
+        }
+    }
+
+    /// With the interpolants of all coordinates.
+    pub fn fitted(mut self) -> Self {
+        let last = self.last_stage();
+        let fits = (0..2 * self.dof()).map(|c| self.fit(&last.values(c)));
+        self.fits = fits.collect();
+        self
+    }
+
+    /// Looks at the piece with all its fits. `None` if interpolants below the full degree are not as good as wanted: those of a higher
+    /// degree may be.
+    pub fn look(mut self) -> Option<(Self, Finding)> {
+        let (dof, last) = (self.dof(), self.last_stage());
+        let mut are_good = true;
+        // What a force does is seen in momenta first.
+        for c in (dof..2 * dof).chain(0..dof) {
+            let fit = self.fit(&last.values(c));
+            are_good &= fit.off <= self.allowed(c, &fit);
+            if !are_good && self.piece.level < FULL {
+                return None;
+            }
+            self.fits.push(fit);
+        }
+        self.fits.rotate_left(dof);
+        let finding = self.examine(are_good)?;
+        Some((self, finding))
     }
 
     pub fn dof(&self) -> usize {
@@ -137,32 +157,33 @@ impl<'a> View<'a> {
         StageStates::new(self.piece, self.coordinates, stage)
     }
 
-    /// Looks at the piece.
-    pub fn examine(&self) -> Finding {
-        let fits = self.fits.iter().enumerate();
-        let mut off = fits.filter(|(c, fit)| fit.off > self.allowed(*c, fit));
-        let resolved = off.next().is_none();
-        let missed = if resolved { missed_sample(self) } else { None };
-        if resolved && missed.is_none() {
-            return Finding::Smooth(self.turning_points());
+    fn last_stage(&self) -> StageStates<'a> {
+        self.stage(self.piece.image(0).stages() - 1)
+    }
+
+    /// The kind of the piece; `None` if a sample is not on an interpolant below the full degree.
+    fn examine(&self, are_good: bool) -> Option<Finding> {
+        let missed = if are_good { missed_sample(self) } else { None };
+        if are_good && missed.is_none() {
+            return Some(Finding::Smooth(self.turning_points()));
         }
         if self.piece.level < FULL {
-            return Finding::Rough;
+            return None;
         }
         if self.piece.is_short() {
-            return Finding::TooShort;
+            return Some(Finding::TooShort);
         }
         let at = match missed {
             Some(at) => vec![at],
             None => self.around_crossings(),
         };
-        match at.is_empty() {
+        Some(match at.is_empty() {
             true => self.seek_break(),
             false => Finding::Cut {
                 at,
                 why: Why::Explained,
             },
-        }
+        })
     }
 
     /// What an interpolant may be off: the tolerance, and what the rounding of the state that the map got
@@ -351,7 +372,6 @@ impl<'a> View<'a> {
         }
         let ends = [best, best + 1].map(|k| self.piece.image(k).clone());
         let gap = [low, high].map(|x| self.piece.s(x));
-        let fallback = self.integrate(false);
         Some(Jump::new(
             self.piece.clone(),
             gap,
@@ -359,7 +379,6 @@ impl<'a> View<'a> {
             (direction, reference),
             (left, step),
             expected,
-            fallback,
         ))
     }
 

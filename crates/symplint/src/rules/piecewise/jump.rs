@@ -3,7 +3,7 @@
 use super::curves::{CurvePoint, PointImage};
 use super::limits::{LARGE, SMOOTH, TERMS};
 use super::lobatto::{evaluate, polynomial};
-use super::piece::{Piece, Smooth};
+use super::piece::Piece;
 use super::scales::Scales;
 use crate::breaks::{
     AROUND_A_ZONE, BETWEEN, Bracket, CONFIRMING, DISTANCES_AROUND, End, LOOKS, Progress, flickers,
@@ -44,8 +44,6 @@ pub(super) struct Jump {
     step: [f64; TERMS],
     /// States that are granted for it.
     pub price: usize,
-    /// The piece unchanged.
-    pub fallback: Smooth,
 }
 
 /// Whether more states say the same of a jump as the first ones.
@@ -71,7 +69,6 @@ impl Jump {
         (direction, reference): (Vec<f64>, Vec<f64>),
         (left, step): ([f64; SMOOTH], [f64; TERMS]),
         expected: f64,
-        fallback: Smooth,
     ) -> Self {
         let bracket = Bracket::new(gap, expected);
         Jump {
@@ -90,7 +87,6 @@ impl Jump {
             reference,
             left,
             step,
-            fallback,
         }
     }
 

@@ -10,7 +10,7 @@ use super::lobatto::DEGREE;
 use super::noise;
 use super::piece::{Piece, Smooth};
 use super::scales::Scales;
-use super::task::{OF_A_BREAK, Outcome, Task};
+use super::task::{OF_A_BREAK, Outcome, Task, Unchanged, looks};
 use crate::breaks::{Break, Progress, REACH_BESIDE, uncertainty_of_position};
 use crate::error::Error;
 use crate::signal::nearest;
@@ -213,7 +213,8 @@ impl<'a> Refinement<'a> {
                 each.for_each(|(largest, size)| *largest = largest.max(*size));
             }
             if outcome.next.is_empty() && outcome.found.is_none() {
-                self.smooth.extend(outcome.piece);
+                let smooth = outcome.piece.map(|piece| self.integrated(piece));
+                self.smooth.extend(smooth);
             } else if self.admit(&outcome) {
                 self.start(outcome, tasks);
             } else {
@@ -246,7 +247,10 @@ impl<'a> Refinement<'a> {
         }
         if tasks.is_empty() {
             let pieces = std::mem::take(&mut self.waiting).into_iter();
-            let unresolved = pieces.filter_map(|outcome| outcome.piece.map(Smooth::unresolved));
+            let unresolved = pieces
+                .filter_map(|outcome| outcome.piece)
+                .map(|piece| self.integrated(piece).unresolved());
+            let unresolved: Vec<Smooth> = unresolved.collect();
             self.smooth.extend(unresolved);
         }
     }
@@ -294,13 +298,10 @@ impl<'a> Refinement<'a> {
                 Progress::Open => self.go_on(Task::Halve(jump)),
                 Progress::Jump => self.go_on(Task::Confirm(jump)),
                 // A kink close to an end, or a steep stretch: at a smaller scale it will show.
-                Progress::Continuous => {
-                    let next = looks(jump.piece.cut(&jump.gap));
-                    Outcome {
-                        refund: jump.refund(),
-                        ..Outcome::then(next, jump.fallback)
-                    }
-                }
+                Progress::Continuous => Outcome {
+                    refund: jump.refund(),
+                    ..Outcome::cut(Box::new(jump.piece), &jump.gap)
+                },
             },
             Task::Confirm(mut jump) => {
                 jump.look(images, self.coordinates);
@@ -309,7 +310,7 @@ impl<'a> Refinement<'a> {
             Task::CheckTurningPoints(piece, smooth, turning) => {
                 self.check_turning_points(*piece, *smooth, &turning, images)
             }
-            Task::EstimateNoise(piece) => self.explain_by_noise(*piece, images),
+            Task::EstimateNoise(piece) => self.explain_by_noise(piece, images),
         }
     }
 
@@ -327,12 +328,12 @@ impl<'a> Refinement<'a> {
         match judgement {
             Judgement::LookAgain => return self.go_on(Task::Confirm(jump)),
             Judgement::Break if jump.wants_confirmation(&self.scales, self.coordinates) => {
-                let unresolved = jump.fallback.clone();
-                return Outcome::then(vec![Task::Confirm(jump)], unresolved);
+                let piece = Unchanged::Piece(Box::new(jump.piece.clone()));
+                return Outcome::then(vec![Task::Confirm(jump)], piece);
             }
             Judgement::LookAround if jump.look_around() => {
-                let unresolved = jump.fallback.clone();
-                return Outcome::then(vec![Task::Confirm(jump)], unresolved);
+                let piece = Unchanged::Piece(Box::new(jump.piece.clone()));
+                return Outcome::then(vec![Task::Confirm(jump)], piece);
             }
             _ => {}
         }
@@ -374,7 +375,7 @@ impl<'a> Refinement<'a> {
             }
         };
         outcome.next = looks(parts);
-        outcome.piece = Some(jump.fallback);
+        outcome.piece = Some(Unchanged::Piece(Box::new(jump.piece)));
         outcome
     }
 
@@ -382,53 +383,55 @@ impl<'a> Refinement<'a> {
         View::new(piece, &self.scales, self.coordinates, self.samples)
     }
 
-    fn look(&self, mut piece: Box<Piece>) -> Outcome {
-        let view = self.view(&piece);
-        match view.examine() {
-            Finding::Smooth(turning) if turning.expected.is_empty() => {
-                Outcome::done(view.integrate(true))
-            }
+    /// A piece about which nothing more is done.
+    fn integrated(&self, piece: Unchanged) -> Smooth {
+        match piece {
+            Unchanged::Smooth(smooth) => smooth,
+            Unchanged::Piece(piece) => self.view(&piece).fitted().integrate(false),
+        }
+    }
+
+    fn look(&self, piece: Box<Piece>) -> Outcome {
+        let Some((view, finding)) = self.view(&piece).look() else {
+            let mut next = piece.clone();
+            next.level += 1;
+            return Outcome::then(vec![Task::Look(next)], Unchanged::Piece(piece));
+        };
+        match finding {
             Finding::Smooth(turning) => {
                 let smooth = view.integrate(true);
-                let task = Task::CheckTurningPoints(piece, Box::new(smooth.clone()), turning);
-                Outcome::then(vec![task], smooth)
+                if turning.expected.is_empty() {
+                    return Outcome::done(smooth);
+                }
+                let unchanged = Unchanged::Smooth(smooth.clone());
+                let task = Task::CheckTurningPoints(piece, Box::new(smooth), turning);
+                Outcome::then(vec![task], unchanged)
             }
             Finding::TooShort => Outcome::done(view.integrate(false)),
-            Finding::Rough => {
-                let unresolved = view.integrate(false);
-                piece.level += 1;
-                Outcome::then(vec![Task::Look(piece)], unresolved)
-            }
-            Finding::Jump(jump) => {
-                let unresolved = jump.fallback.clone();
-                Outcome::then(vec![Task::Halve(jump)], unresolved)
-            }
+            Finding::Jump(jump) => Outcome::then(vec![Task::Halve(jump)], Unchanged::Piece(piece)),
             Finding::Cut { at, why } => {
-                let unresolved = view.integrate(false);
                 let noisy = why != Why::Explained && piece.length() < NOISE_LENGTH;
                 if noisy && self.noise_known && why == Why::Unexplained {
-                    return Outcome::then(vec![Task::EstimateNoise(piece)], unresolved);
+                    let task = Task::EstimateNoise(piece.clone());
+                    return Outcome::then(vec![task], Unchanged::Piece(piece));
                 }
                 Outcome {
                     noisy,
-                    ..Outcome::then(looks(piece.cut(&at)), unresolved)
+                    ..Outcome::cut(piece, &at)
                 }
             }
         }
     }
 
     /// Looks at a piece once more if the noise that it has explains it; else cuts it.
-    fn explain_by_noise(&self, mut piece: Piece, images: &[PointImage]) -> Outcome {
-        let view = self.view(&piece);
-        let unresolved = view.integrate(false);
+    fn explain_by_noise(&self, piece: Box<Piece>, images: &[PointImage]) -> Outcome {
         let allowance = noise::allowance(images, self.coordinates);
-        let next = if view.is_explained_by(&allowance) {
-            piece.noise = Some(allowance.into());
-            vec![piece]
-        } else {
-            piece.cut(&[])
-        };
-        Outcome::then(looks(next), unresolved)
+        if !self.view(&piece).fitted().is_explained_by(&allowance) {
+            return Outcome::cut(piece, &[]);
+        }
+        let mut next = piece.clone();
+        next.noise = Some(allowance.into());
+        Outcome::then(vec![Task::Look(next)], Unchanged::Piece(piece))
     }
 
     /// Accepts a piece if its turning points are where the interpolant has them; else cuts it there.
@@ -446,14 +449,9 @@ impl<'a> Refinement<'a> {
                 off.abs() > ELSEWHERE * turning.allowed[c]
             });
             if misses {
-                return Outcome::then(looks(piece.cut(&[*s])), smooth);
+                return Outcome::then(looks(piece.cut(&[*s])), Unchanged::Smooth(smooth));
             }
         }
         Outcome::done(smooth)
     }
-}
-
-fn looks(pieces: Vec<Piece>) -> Vec<Task> {
-    let boxed = pieces.into_iter().map(Box::new);
-    boxed.map(Task::Look).collect()
 }

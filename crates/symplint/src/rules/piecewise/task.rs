@@ -42,8 +42,16 @@ pub(super) struct Outcome {
     pub noise: Option<Vec<f64>>,
     /// The evaluations granted that are not needed.
     pub refund: usize,
-    /// The piece unchanged: it is done where there is nothing to do next, or no means to.
-    pub piece: Option<Smooth>,
+    /// The piece unchanged: it is done if there is nothing to do next, or no means to.
+    pub piece: Option<Unchanged>,
+}
+
+/// A piece as it is.
+pub(super) enum Unchanged {
+    /// Integrated already.
+    Smooth(Smooth),
+    /// Not resolved: it is integrated if nothing else can be done about it.
+    Piece(Box<Piece>),
 }
 
 impl Task {
@@ -86,18 +94,25 @@ impl Task {
 }
 
 impl Outcome {
-    pub fn done(piece: Smooth) -> Self {
-        Outcome {
-            piece: Some(piece),
-            ..Outcome::default()
-        }
+    pub fn done(smooth: Smooth) -> Self {
+        Outcome::then(Vec::new(), Unchanged::Smooth(smooth))
     }
 
-    pub fn then(next: Vec<Task>, piece: Smooth) -> Self {
+    pub fn then(next: Vec<Task>, piece: Unchanged) -> Self {
         Outcome {
             next,
             piece: Some(piece),
             ..Outcome::default()
         }
     }
+
+    /// To look at the parts of an unresolved piece.
+    pub fn cut(piece: Box<Piece>, at: &[f64]) -> Self {
+        Outcome::then(looks(piece.cut(at)), Unchanged::Piece(piece))
+    }
+}
+
+pub(super) fn looks(pieces: Vec<Piece>) -> Vec<Task> {
+    let boxed = pieces.into_iter().map(Box::new);
+    boxed.map(Task::Look).collect()
 }

@@ -19,7 +19,10 @@ use super::refinement::Refinement;
 use crate::error::Error;
 use crate::rules::{LoopIntegral, Rule};
 use crate::signal::{Barycentric, Extent, nearest};
-use crate::state::{Ensemble, coordinate, period};
+use crate::state::{Ensemble, coordinate, in_parallel, period};
+
+/// Operations for one degree of freedom of a stretch: five polynomials through a dozen samples, at the nodes of a piece.
+const NUMBERS_OF_A_STRETCH: usize = 1 << 10;
 
 /// A stretch of short pieces between two long ones.
 struct Stretch<'a> {
@@ -95,8 +98,9 @@ pub(super) fn under_resolved(refinement: &Refinement<'_>) -> f64 {
         }
         let (ends, beside) = ([left[1], right[0]], beside(left, right, count));
         let stretch = Stretch::new(refinement, samples, runs[k + 1], ends, &beside);
-        for i in 0..refinement.coordinates.dof() {
-            let (area, uncertainty) = stretch.excess(i);
+        let dof = refinement.coordinates.dof();
+        let of_dofs = in_parallel(0..dof, NUMBERS_OF_A_STRETCH, |i| stretch.excess(i));
+        for (area, uncertainty) in of_dofs {
             if area.abs() > uncertainty {
                 net += area;
                 error += uncertainty;
