@@ -1,19 +1,24 @@
 //! The examination of a piece by its states.
 
 use std::f64::consts::TAU;
+use std::ops::Range;
 use std::sync::Arc;
 
-use super::fit::{Fit, POINTS, ends_of_tail, turning_point};
+use multiversion::multiversion;
+
+use super::fit::{Fit, ends_of_tail, fit, turning_point};
 use super::jump::Jump;
 use super::limits::{
     AND_MOTION, AS_GOOD, CHECKS, DECAYS, EXPLAINS, FULL, KINK_SAFETY, MOST_TURNING_POINTS, NOISES,
     ROUNDING, SAFETY, SAME_TURNING_POINT, SMOOTH, TERMS, VANISHES,
 };
-use super::lobatto::{DEGREE, LOBATTO, NODES, Values, evaluate, polynomial, tail_squared};
+use super::lobatto::{
+    DEGREE, LOBATTO, NODES, POINTS, Values, evaluate, explained, largest, polynomial, tail_squared,
+};
 use super::piece::{Piece, Smooth};
 use super::samples::{missed, missed_sample};
 use super::scales::Scales;
-use crate::signal::{Extent, nearest};
+use crate::signal::nearest;
 use crate::state::{Coordinates, Ensemble, period};
 
 /// The kind of a piece.
@@ -60,6 +65,31 @@ pub(super) struct View<'a> {
     pub fits: Vec<Fit>,
 }
 
+/// What one degree of freedom of a piece adds to the integral.
+struct PartOfDof {
+    /// ∫ (p − p_ref) dq.
+    area: f64,
+    /// The largest |q|, |p| and |p − p_ref|.
+    largest_q: f64,
+    largest_p: f64,
+    largest_from_reference: f64,
+}
+
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx2", "x86_64+avx2"))]
+fn part_of_dof(q: &Values, p: &Values, reference: f64) -> PartOfDof {
+    let from_start = q.map(|value| value - q[0]);
+    let from_reference = p.map(|value| value - reference);
+    PartOfDof {
+        area: LOBATTO.area(&from_reference, &from_start),
+        largest_q: largest(q),
+        largest_p: largest(p),
+        largest_from_reference: largest(&from_reference),
+    }
+}
+
+/// Coordinates of a state in one cache line.
+const LINE: usize = 8;
+
 /// The states of one stage at all points of a piece that are known.
 pub(super) struct StageStates<'a> {
     coordinates: &'a Coordinates,
@@ -80,19 +110,52 @@ impl<'a> StageStates<'a> {
         }
     }
 
+    /// Some coordinates, unwrapped. A cache line of each state is read at once.
+    fn tiles(&self, coordinates: Range<usize>) -> impl Iterator<Item = [f64; POINTS]> {
+        let end = coordinates.end;
+        coordinates.step_by(LINE).flat_map(move |first| {
+            let tile = first..end.min(first + LINE);
+            let mut values = [[0.0; POINTS]; LINE];
+            for (k, state) in self.points.iter().enumerate() {
+                if let Some(state) = state {
+                    let of_state = values.iter_mut().zip(&state[tile.clone()]);
+                    of_state.for_each(|(values, value)| values[k] = *value);
+                }
+            }
+            values
+                .into_iter()
+                .zip(tile)
+                .map(|(values, c)| self.unwrapped(values, c))
+        })
+    }
+
     /// A coordinate, unwrapped.
     pub fn values(&self, c: usize) -> [f64; POINTS] {
-        let mut values = [0.0; POINTS];
+        let value = |state: &Option<&[f64]>| state.map_or(0.0, |state| state[c]);
+        self.unwrapped(self.points.each_ref().map(value), c)
+    }
+
+    fn unwrapped(&self, mut values: [f64; POINTS], c: usize) -> [f64; POINTS] {
         let period = period(self.coordinates, c);
-        let mut last = None;
+        if period == 0.0 {
+            return values;
+        }
+        // Periods added so far.
+        let (mut last, mut added) = (None, 0.0);
         for (value, state) in values.iter_mut().zip(&self.points[..NODES]) {
-            let Some(state) = state else { continue };
-            *value = last.map_or(state[c], |last| last + nearest(state[c] - last, period));
+            if state.is_none() {
+                continue;
+            }
+            let step = last.map_or(0.0, |last| *value + added - last);
+            let nearest = nearest(step, period);
+            if nearest != step {
+                added += nearest - step;
+            }
+            *value += added;
             last = Some(*value);
         }
         for (k, after) in (NODES..).zip(self.after) {
-            let state = self.points[k].expect("checks were evaluated");
-            values[k] = values[after] + nearest(state[c] - values[after], period);
+            values[k] = values[after] + nearest(values[k] - values[after], period);
         }
         values
     }
@@ -117,8 +180,8 @@ impl<'a> View<'a> {
     /// With the interpolants of all coordinates.
     pub fn fitted(mut self) -> Self {
         let last = self.last_stage();
-        let fits = (0..2 * self.dof()).map(|c| self.fit(&last.values(c)));
-        self.fits = fits.collect();
+        let values = last.tiles(0..2 * self.dof());
+        self.fits = values.map(|values| self.fit(&values)).collect();
         self
     }
 
@@ -128,8 +191,9 @@ impl<'a> View<'a> {
         let (dof, last) = (self.dof(), self.last_stage());
         let mut are_good = true;
         // What a force does is seen in momenta first.
-        for c in (dof..2 * dof).chain(0..dof) {
-            let fit = self.fit(&last.values(c));
+        let values = last.tiles(dof..2 * dof).chain(last.tiles(0..dof));
+        for (c, values) in (dof..2 * dof).chain(0..dof).zip(values) {
+            let fit = self.fit(&values);
             are_good &= fit.off <= self.allowed(c, &fit);
             if !are_good && self.piece.level < FULL {
                 return None;
@@ -148,7 +212,7 @@ impl<'a> View<'a> {
     pub fn fit(&self, values: &[f64; POINTS]) -> Fit {
         match self.piece.is_short() {
             true => Fit::straight(values),
-            false => Fit::of(values, self.piece.level),
+            false => fit(values, self.piece.level),
         }
     }
 
@@ -190,7 +254,7 @@ impl<'a> View<'a> {
     /// becomes where the loop is steep. A straight line may be off by the change that a kink makes of its length.
     pub fn allowed(&self, c: usize, fit: &Fit) -> f64 {
         let length = self.piece.length();
-        let rounded = self.scales.input_rounding * fit.range() / length;
+        let rounded = self.scales.input_rounding * fit.range / length;
         let kinked = match self.piece.is_short() {
             true => TAU * self.scales.size[c] * length,
             false => 0.0,
@@ -225,30 +289,21 @@ impl<'a> View<'a> {
             let (q, p) = (&self.fits[i], &self.fits[dof + i]);
             let weight = self.coordinates.weight(i);
             let reference = self.scales.p_reference[i];
-            let [mut from_start, mut from_reference] = [q.values, p.values];
-            from_start.iter_mut().for_each(|v| *v -= q.values[0]);
-            from_reference.iter_mut().for_each(|v| *v -= reference);
-            smooth
-                .areas
-                .push(weight * LOBATTO.area(&from_reference, &from_start));
+            let of_dof = part_of_dof(&q.values, &p.values, reference);
+            smooth.areas.push(weight * of_dof.area);
             smooth.gains.push(q.values[DEGREE] - q.values[0]);
-            let largest = |values: &Values| Extent::of(values).magnitude();
             // The noise may be a jump, as large as states scatter.
             let scatter = |noise: &Arc<[f64]>| noise[i] / SAFETY;
             let scatter = self.piece.noise.as_ref().map_or(0.0, scatter);
             // Any part of it may be a jump, which is missing where the reference is accounted for; of a straight
             // line, no more than its points are off.
-            let jump = if short {
-                q.off.min(q.range())
-            } else {
-                q.range()
-            };
-            let anywhere = p.range() + largest(&from_reference) + reference.abs();
+            let jump = if short { q.off.min(q.range) } else { q.range };
+            let anywhere = p.range + of_dof.largest_from_reference + reference.abs();
             smooth.error_of_jump += weight.abs() * AND_MOTION * jump * anywhere;
-            smooth.error += weight.abs() * (q.error * p.range() + p.error * q.range());
-            smooth.error_of_noise += weight.abs() * scatter.min(q.range()) * anywhere;
+            smooth.error += weight.abs() * (q.error * p.range + p.error * q.range);
+            smooth.error_of_noise += weight.abs() * scatter.min(q.range) * anywhere;
             smooth.exposure +=
-                weight.abs() * (largest(&q.values) * p.range() + largest(&p.values) * q.range());
+                weight.abs() * (of_dof.largest_q * p.range + of_dof.largest_p * q.range);
         }
         // So short a piece may be as steep as rounding allows, and that is as steep as a jump.
         match !resolved || short {
@@ -263,27 +318,37 @@ impl<'a> View<'a> {
         if self.piece.is_short() {
             return TurningPoints::default();
         }
+        let last = self.piece.image(0).stages() - 1;
+        let stages: Vec<StageStates<'_>> = (0..last).map(|k| self.stage(k)).collect();
+        let after = self.stage(last);
+        let positions = 0..self.dof();
+        let mut tiles: Vec<_> = (stages.iter().map(|of| of.tiles(positions.clone()))).collect();
         let mut points = Vec::new();
-        let stages: Vec<StageStates<'_>> = (0..self.piece.image(0).stages())
-            .map(|k| self.stage(k))
-            .collect();
-        let mut values: Vec<[f64; POINTS]> = Vec::with_capacity(1 + stages.len());
-        for i in 0..self.dof() {
-            values.clear();
-            values.extend(stages.iter().map(|states| states.values(i)));
-            // A step that is one whole evaluates its force somewhere in between.
-            if let [before, after] = &values[..] {
-                let middle = std::array::from_fn(|k| 0.5 * (before[k] + after[k]));
-                values.push(middle);
-            }
+        for i in positions {
             // What rests has none, but for rounding.
-            let moves = |fit: &Fit| fit.range() > ROUNDING * self.scales.magnitude[i];
-            let turns = |values: &&[f64; POINTS]| {
-                let values = values.first_chunk().expect("nodes come first");
-                LOBATTO.turns(values, self.piece.level)
+            let moves = |fit: &Fit| fit.range > ROUNDING * self.scales.magnitude[i];
+            let turns = |values: &Values| LOBATTO.turns(values, self.piece.level);
+            let mut add = |fit: &Fit| {
+                if moves(fit) {
+                    points.extend(turning_point(fit));
+                }
             };
-            let fits = values.iter().filter(turns).map(|values| self.fit(values));
-            points.extend(fits.filter(moves).filter_map(|fit| turning_point(&fit)));
+            for before in tiles.iter_mut().filter_map(Iterator::next) {
+                let nodes: &Values = before.first_chunk().expect("nodes come first");
+                if turns(nodes) {
+                    add(&self.fit(&before));
+                }
+                // A step that is one whole evaluates its force somewhere in between.
+                let between = |k: usize| 0.5 * (nodes[k] + self.fits[i].values[k]);
+                if stages.len() == 1 && turns(&std::array::from_fn(between)) {
+                    let after = after.values(i);
+                    let middle = std::array::from_fn(|k| 0.5 * (before[k] + after[k]));
+                    add(&self.fit(&middle));
+                }
+            }
+            if turns(&self.fits[i].values) {
+                add(&self.fits[i]);
+            }
         }
         points.sort_by(f64::total_cmp);
         points.dedup_by(|a, b| (*a - *b).abs() < SAME_TURNING_POINT);
@@ -307,15 +372,13 @@ impl<'a> View<'a> {
             at: Vec::new(),
             why,
         };
-        let mut explained = [0.0; DEGREE];
-        let mut all = 0.0;
-        for (c, fit) in self.fits.iter().enumerate() {
-            let weight = self.scales.weight(c).powi(2);
-            all += weight * tail_squared(&fit.coefficients);
-            for (sum, gap) in explained.iter_mut().zip(&LOBATTO.gaps) {
-                *sum += weight * gap.explained(&fit.coefficients);
-            }
-        }
+        let weighted = || {
+            let fits = self.fits.iter().enumerate();
+            fits.map(|(c, fit)| (self.scales.weight(c).powi(2), &fit.coefficients))
+        };
+        let explained = explained(&mut weighted());
+        let all = weighted().map(|(weight, of)| weight * tail_squared(of));
+        let all: f64 = all.sum();
         let most = explained.iter().copied().fold(0.0, f64::max);
         if self.decays() {
             return in_the_middle(Why::Steep);

@@ -1,23 +1,20 @@
 //! The interpolant of a coordinate on a piece, and how far off it may be.
 
-use std::sync::LazyLock;
-
 use multiversion::multiversion;
 
 use super::limits::{CHECKS, DECAYS, DEGREES, FULL, OF_A_CHECK, OF_A_JUMP, SMOOTH};
 use super::lobatto::{
-    DEGREE, LANES, LOBATTO, NODES, Values, derivative, evaluate, evaluate_each, tail_squared,
+    DEGREE, LOBATTO, NODES, POINTS, Values, derivative, evaluate, evaluate_each, tail_squared,
 };
 use crate::signal::Extent;
-
-/// States of a piece that are examined: nodes, then checks.
-pub(super) const POINTS: usize = NODES + CHECKS.len();
 
 /// The interpolant of one coordinate on a piece.
 pub(super) struct Fit {
     /// Its values at all nodes.
     pub values: Values,
     pub coefficients: Values,
+    /// The range of those values.
+    pub range: f64,
     /// How far off it may be, judged by its last coefficient as well. One that vanishes by symmetry says nothing, but
     /// then the checks do.
     pub off: f64,
@@ -26,30 +23,6 @@ pub(super) struct Fit {
 }
 
 impl Fit {
-    /// Of values at the checks and at the nodes of a level.
-    pub fn of(points: &[f64; POINTS], level: usize) -> Self {
-        let mut values: Values = *points.first_chunk().expect("nodes come first");
-        let (coefficients, interpolated) = interpolate(&values, level);
-        let stride = DEGREE / DEGREES[level];
-        for j in (0..NODES).filter(|j| !j.is_multiple_of(stride)) {
-            values[j] = interpolated[j];
-        }
-        let last = coefficients[DEGREES[level]].abs();
-        let misses = (NODES..POINTS).map(|k| (interpolated[k] - points[k]).abs());
-        let misfit = misses.fold(0.0, f64::max);
-        // The last coefficient and the checks can miss a jump 25 times their size; the tail as a whole does not.
-        let tail = match level == FULL && !decays(&coefficients) {
-            true => tail_squared(&coefficients).sqrt(),
-            false => last,
-        };
-        Fit {
-            values,
-            coefficients,
-            off: tail.max(misfit),
-            error: OF_A_CHECK * misfit,
-        }
-    }
-
     /// Of values at all points, as a straight line.
     pub fn straight(points: &[f64; POINTS]) -> Self {
         let values: Values = points[..NODES].try_into().expect("nodes come first");
@@ -62,32 +35,44 @@ impl Fit {
         Fit {
             values,
             coefficients: LOBATTO.coefficients(&values, FULL),
+            range: Extent::of(&values).length(),
             off,
             error: off,
         }
     }
+}
 
-    pub fn range(&self) -> f64 {
-        Extent::of(&self.values).length()
+/// The interpolant of values at the checks and at the nodes of a level.
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx2", "x86_64+avx2"))]
+pub(super) fn fit(points: &[f64; POINTS], level: usize) -> Fit {
+    let mut values: Values = *points.first_chunk().expect("nodes come first");
+    let coefficients = LOBATTO.coefficients(&values, level);
+    let interpolated = LOBATTO.interpolate(&values, level);
+    if level < FULL {
+        let stride = DEGREE / DEGREES[level];
+        for j in (0..NODES).filter(|j| !j.is_multiple_of(stride)) {
+            values[j] = interpolated[j];
+        }
+    }
+    let last = coefficients[DEGREES[level]].abs();
+    let misses = (NODES..POINTS).map(|k| (interpolated[k] - points[k]).abs());
+    let misfit = misses.fold(0.0, f64::max);
+    // The last coefficient and the checks can miss a jump 25 times their size; the tail as a whole does not.
+    let tail = match level == FULL && !decays(&coefficients) {
+        true => tail_squared(&coefficients).sqrt(),
+        false => last,
+    };
+    Fit {
+        range: Extent::of(&values).length(),
+        values,
+        coefficients,
+        off: tail.max(misfit),
+        error: OF_A_CHECK * misfit,
     }
 }
 
-/// All points of a piece, the first of [`LANES`] parameters.
-static PARAMETERS: LazyLock<[f64; LANES]> = LazyLock::new(|| {
-    let mut x = [0.0; LANES];
-    x[..NODES].copy_from_slice(&LOBATTO.nodes);
-    x[NODES..POINTS].copy_from_slice(&CHECKS);
-    x
-});
-
-/// The coefficients of the interpolant of the nodes of a level, and its values at all points.
-#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx2", "x86_64+avx2"))]
-fn interpolate(values: &Values, level: usize) -> (Values, [f64; LANES]) {
-    let coefficients = LOBATTO.coefficients(values, level);
-    (coefficients, evaluate_each(&coefficients, &PARAMETERS))
-}
-
 /// Sums of squares of coefficients at the beginning and at the end of the tail.
+#[inline(always)] // Into what is compiled for several processors.
 pub(super) fn ends_of_tail(coefficients: &Values) -> [f64; 2] {
     [SMOOTH..SMOOTH + 3, DEGREE - 2..DEGREE + 1].map(|range| {
         let part = &coefficients[range];
@@ -96,6 +81,7 @@ pub(super) fn ends_of_tail(coefficients: &Values) -> [f64; 2] {
 }
 
 /// Whether the tail falls as for a smooth function.
+#[inline(always)]
 fn decays(coefficients: &Values) -> bool {
     let [early, late] = ends_of_tail(coefficients);
     late < DECAYS * early

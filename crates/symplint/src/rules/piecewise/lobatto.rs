@@ -2,13 +2,18 @@
 
 use std::sync::LazyLock;
 
-use super::limits::{DEGREES, FULL, SMOOTH, TERMS};
+use multiversion::multiversion;
+
+use super::limits::{CHECKS, DEGREES, FULL, SMOOTH, TERMS};
 
 /// The highest degree of the interpolants.
 pub(super) const DEGREE: usize = DEGREES[FULL];
 
 /// Their nodes, both ends among them.
 pub(super) const NODES: usize = DEGREE + 1;
+
+/// States of a piece that are examined: nodes, then checks.
+pub(super) const POINTS: usize = NODES + CHECKS.len();
 
 /// Number of the coefficients that are small on a smooth piece.
 const TAIL: usize = NODES - SMOOTH;
@@ -20,7 +25,7 @@ pub(super) type Values = [f64; NODES];
 type Columns = [[f64; LANES]; NODES];
 
 /// Numbers in these registers.
-pub(super) const LANES: usize = 16;
+const LANES: usize = 16;
 
 /// Everything that depends on the degree alone.
 pub(super) struct Lobatto {
@@ -28,13 +33,22 @@ pub(super) struct Lobatto {
     pub nodes: Values,
     /// For each level, coefficients from values: 0 for points that are not nodes of the level, and for coefficients beyond its degree.
     transforms: [Columns; DEGREES.len()],
+    /// For each level, the interpolant at all points from its values at the nodes of the level.
+    at_points: [Columns; DEGREES.len()],
     /// For each level, the slopes of the interpolant at −1 and at 1 from values at the nodes.
     slopes: [[Values; 2]; DEGREES.len()],
     /// ∫ P Q' = Σ p_j area_jk q_k for the interpolants of p and q.
     area: Columns,
     /// A break between nodes i and i + 1.
     pub gaps: [Gap; DEGREE],
+    /// The bases of the tails of all gaps, [`TERMS`] numbers for each gap: one column for each coefficient of a tail.
+    tails: [OfGaps; TAIL],
 }
+
+/// Numbers for each term of each gap, filled up with zeros to whole vector registers.
+type OfGaps = [f64; OF_GAPS];
+
+const OF_GAPS: usize = (DEGREE * TERMS).next_multiple_of(LANES);
 
 /// The one table of these.
 pub(super) static LOBATTO: LazyLock<Lobatto> = LazyLock::new(Lobatto::new);
@@ -89,24 +103,50 @@ impl Lobatto {
             })
         });
         let gaps = std::array::from_fn(|i| Gap::new(i, &nodes, transform));
+        let tails = std::array::from_fn(|k| {
+            let mut column = [0.0; OF_GAPS];
+            for (numbers, gap) in column.chunks_mut(TERMS).zip(&gaps as &[Gap; DEGREE]) {
+                let entries = gap.basis.iter().map(|unit| unit[k]);
+                (numbers.iter_mut().zip(entries)).for_each(|(number, entry)| *number = entry);
+            }
+            column
+        });
         let slopes = transforms.each_ref().map(|rows: &[Values; NODES]| {
             let of_node = |j: usize| derivative(&rows.map(|row| row[j]));
             let slopes: [Values; NODES] = std::array::from_fn(of_node);
             [-1.0, 1.0].map(|end| slopes.map(|slopes| evaluate(&slopes, end)))
         });
+        let at_points = transforms.each_ref().map(|rows: &[Values; NODES]| {
+            std::array::from_fn(|j| {
+                let of_node = rows.map(|row| row[j]);
+                let mut column = [0.0; LANES];
+                for (value, x) in column.iter_mut().zip(nodes.iter().chain(&CHECKS)) {
+                    *value = evaluate(&of_node, *x);
+                }
+                column
+            })
+        });
         Lobatto {
             nodes,
             slopes,
+            at_points,
             transforms: transforms.map(|rows| columns(&rows)),
             area: columns(&area),
             gaps,
+            tails,
         }
     }
 
     /// Chebyshev coefficients of the interpolant of the nodes of a level.
     #[inline(always)] // Into what is compiled for several processors.
     pub fn coefficients(&self, values: &Values, level: usize) -> Values {
-        times(&self.transforms[level], values)
+        *first_of(&times(&self.transforms[level], values))
+    }
+
+    /// The interpolant of the nodes of a level at all points.
+    #[inline(always)]
+    pub fn interpolate(&self, values: &Values, level: usize) -> [f64; POINTS] {
+        *first_of(&times(&self.at_points[level], values))
     }
 
     /// Whether the interpolant of the nodes of a level rises at one end and falls at the other.
@@ -116,9 +156,30 @@ impl Lobatto {
     }
 
     /// ∫ P dQ over the piece, whatever its length.
+    #[inline(always)]
     pub fn area(&self, p: &Values, q: &Values) -> f64 {
-        dot(p, &times(&self.area, q))
+        dot(p, first_of(&times(&self.area, q)))
     }
+}
+
+/// The parts of the tails of some coefficients that a break in each gap explains, squared, weighted and added up.
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx2", "x86_64+avx2"))]
+pub(super) fn explained<'a>(
+    weighted: &mut dyn Iterator<Item = (f64, &'a Values)>,
+) -> [f64; DEGREE] {
+    let mut sums = [0.0; OF_GAPS];
+    for (weight, coefficients) in weighted {
+        let mut along = [0.0; OF_GAPS];
+        for (column, a) in LOBATTO.tails.iter().zip(&coefficients[SMOOTH..]) {
+            for k in 0..OF_GAPS {
+                along[k] += column[k] * a;
+            }
+        }
+        for k in 0..OF_GAPS {
+            sums[k] += weight * along[k] * along[k];
+        }
+    }
+    std::array::from_fn(|i| sums[i * TERMS..][..TERMS].iter().sum())
 }
 
 /// The columns of a matrix from its rows.
@@ -129,14 +190,36 @@ fn columns(rows: &[Values; NODES]) -> Columns {
 
 /// A matrix times values, each entry summed in the order of the columns.
 #[inline(always)]
-fn times(columns: &Columns, values: &Values) -> Values {
+fn times(columns: &Columns, values: &Values) -> [f64; LANES] {
     let mut sums = [0.0; LANES];
     for (column, value) in columns.iter().zip(values) {
         for lane in 0..LANES {
             sums[lane] += column[lane] * value;
         }
     }
-    *sums.first_chunk().expect("there are more lanes than nodes")
+    sums
+}
+
+/// The first numbers of whole registers.
+#[inline(always)]
+fn first_of<const N: usize>(lanes: &[f64; LANES]) -> &[f64; N] {
+    lanes
+        .first_chunk()
+        .expect("there are more lanes than points")
+}
+
+/// The largest absolute value.
+#[inline(always)]
+pub(super) fn largest(values: &Values) -> f64 {
+    let (groups, rest) = values.as_chunks::<4>();
+    let mut lanes = [0.0f64; 4];
+    for group in groups {
+        for lane in 0..4 {
+            lanes[lane] = lanes[lane].max(group[lane].abs());
+        }
+    }
+    let rest = rest.iter().map(|value| value.abs());
+    rest.chain(lanes).fold(0.0, f64::max)
 }
 
 /// ∫ T_r over [−1, 1].
@@ -148,8 +231,14 @@ fn integral_of(r: usize) -> f64 {
     }
 }
 
+#[inline(always)]
 fn dot(a: &Values, b: &Values) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
+    // In lanes, so that no sum waits for the one before.
+    let mut lanes = [0.0; 4];
+    for k in 0..NODES {
+        lanes[k % 4] += a[k] * b[k];
+    }
+    (lanes[0] + lanes[2]) + (lanes[1] + lanes[3])
 }
 
 /// Σ a_k T_k(x).
@@ -238,11 +327,6 @@ impl Gap {
         self.basis.len()
     }
 
-    /// The part of the tail of `coefficients` that a break here explains, squared.
-    pub fn explained(&self, coefficients: &Values) -> f64 {
-        self.along(coefficients).iter().map(|a| a * a).sum()
-    }
-
     fn along(&self, coefficients: &Values) -> [f64; TERMS] {
         let tail = &coefficients[SMOOTH..];
         let mut along = [0.0; TERMS];
@@ -274,6 +358,7 @@ impl Gap {
 }
 
 /// Sum of the squares of the tail.
+#[inline(always)]
 pub(super) fn tail_squared(coefficients: &Values) -> f64 {
     coefficients[SMOOTH..].iter().map(|a| a * a).sum()
 }
@@ -359,12 +444,9 @@ mod tests {
             let jump = |x: f64| 0.2 + 0.1 * (x - at);
             let f = |x: f64| x.cos() + if x > at { jump(x) } else { 0.0 };
             let a = LOBATTO.coefficients(&values(f), FULL);
-            let best = (0..DEGREE)
-                .max_by(|&i, &j| {
-                    let explained = |i: usize| LOBATTO.gaps[i].explained(&a);
-                    explained(i).total_cmp(&explained(j))
-                })
-                .unwrap();
+            let explained = explained(&mut std::iter::once((1.0, &a)));
+            let best = (0..DEGREE).max_by(|&i, &j| explained[i].total_cmp(&explained[j]));
+            let best = best.unwrap();
             assert_eq!(best, gap);
             let found = LOBATTO.gaps[gap].jump(&a);
             assert!((polynomial(&found, at) - 0.2).abs() < 1e-3, "{found:?}");

@@ -262,7 +262,7 @@ impl Piecewise {
     /// be evaluated.
     fn first_pieces(&self, known: &[f64], most_evaluations: usize) -> Vec<Piece> {
         // Neighbours share a state.
-        let affordable = (most_evaluations.saturating_sub(1) / (fit::POINTS - 1)).max(1);
+        let affordable = (most_evaluations.saturating_sub(1) / (lobatto::POINTS - 1)).max(1);
         let count = self.pieces.clamp(1, affordable);
         let mut edges: Vec<f64> = (0..=count).map(|k| k as f64 / count as f64).collect();
         let around = (known.iter().filter(|s| s.is_finite()))
@@ -285,7 +285,7 @@ impl Piecewise {
                 remedy: "give a positive number such as 1e-11",
             });
         }
-        if self.most_evaluations < fit::POINTS {
+        if self.most_evaluations < lobatto::POINTS {
             return Err(Error::OutOfRange {
                 what: "number of states that the piecewise rule may advance",
                 value: self.most_evaluations as f64,

@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use super::curves::{CurvePoint, PointImage};
-use super::fit::POINTS;
+
 use super::limits::{BELOW_FULL, CHECKS, DEGREES, ESTIMATES, FULL, SHORTEST};
-use super::lobatto::{DEGREE, LOBATTO, NODES};
+use super::lobatto::{DEGREE, LOBATTO, NODES, POINTS};
 use super::scales::Scales;
 
 /// A stretch [a, b] of a curve.
