@@ -232,7 +232,7 @@ fn marks(evidence: &Evidence, picture: &LoopPicture, dof: usize) -> Vec<Series> 
         }
     }
     if !breaks.is_empty() {
-        marks.push(series("torn here", breaks, Style::Points, BREAK_COLOR));
+        marks.push(series("breaks", breaks, Style::Points, BREAK_COLOR));
     }
     marks
 }
@@ -341,11 +341,14 @@ mod tests {
         let diagnosis = Diagnostic::halving(-1, -3).run(&step, &circle).unwrap();
         let figure = drawn("|q|", &diagnosis);
         let series = &figure.panels[0].series;
-        let torn = series.iter().find(|series| series.label == "torn here");
-        let torn = &torn.expect("breaks are marked").points;
+        let breaks = series.iter().find(|series| series.label == "breaks");
+        let breaks = &breaks.expect("breaks are marked").points;
         // The force jumps at q = 0, which is crossed twice.
-        assert_eq!(torn.len(), 2);
-        assert!(torn.iter().all(|point| point.0.abs() < 0.01), "{torn:?}");
+        assert_eq!(breaks.len(), 2);
+        assert!(
+            breaks.iter().all(|point| point.0.abs() < 0.01),
+            "{breaks:?}"
+        );
     }
 
     #[test]
