@@ -131,16 +131,13 @@ impl std::fmt::Display for RuleKind {
     }
 }
 
-/// λ_q and λ_p of a finite-difference rule that is named without cut-offs. The paper uses this value for particle-in-cell codes.
-pub(crate) const CUTOFF: f64 = 1000.0;
-
 impl Rule {
-    /// The rule of this name with its default settings.
+    /// The rule of this name with its default settings. Cut-offs are those of the paper for particle-in-cell codes.
     pub fn named(name: &str) -> Option<Self> {
         let rules = [
             Rule::Auto,
             Rule::Pseudospectral,
-            Rule::FiniteDifference(Cutoffs::relative(CUTOFF)),
+            Rule::FiniteDifference(Cutoffs::relative(1000.0)),
             Rule::Piecewise(Piecewise::default()),
             Rule::Streaming(Streaming::default()),
         ];

@@ -14,9 +14,8 @@ use crate::diagnosis::plan::fits;
 use crate::diagnosis::plan::{Plan, power_below};
 use crate::diagnosis::{Diagnostic, SampleCount};
 use crate::error::Error;
-use crate::evidence::WEAKEST_BOUND;
 use crate::loops::{FEW_SAMPLES, MOST_SAMPLES};
-use crate::rules::{CUTOFF, Cutoffs, LoopAfterStep, Piecewise, Rule, Streaming, Subject};
+use crate::rules::{LoopAfterStep, Piecewise, Rule, Subject};
 use crate::signal::SIGNIFICANT;
 use crate::state::Ensemble;
 use convergence::{Convergence, wanted};
@@ -54,10 +53,10 @@ impl Diagnostic {
         };
         match self.rule {
             Rule::Auto if self.must_stream(dof) => {
-                let rule = Rule::Streaming(self.streaming());
-                Ok(self.streamed(subject, rule, with, first)?.0)
+                let rule = Rule::Streaming(self.streaming);
+                self.streamed(subject, rule, with, first)
             }
-            Rule::Streaming(_) => Ok(self.streamed(subject, self.rule, with, first_of_rule)?.0),
+            Rule::Streaming(_) => self.streamed(subject, self.rule, with, first_of_rule),
             Rule::Piecewise(piecewise) => {
                 let first = first_of_rule;
                 let of_pieces = with.allowance.saturating_sub(first);
@@ -154,9 +153,12 @@ impl Diagnostic {
             let probe = Probe::of_samples(subject, self.rule, &refined.before)?;
             let advanced = probe.measure_samples(&refined.after, h)?;
             if !advanced.breaks.is_empty() {
+                let known = probe.knowing(h, advanced, spent());
+                // What the samples showed, if no evaluations are left for pieces.
                 return match auto {
-                    true => self.broken(probe, advanced, refined, with, spent()),
-                    false => Ok(probe.knowing(h, advanced, spent())),
+                    true => Ok((self.tried(subject, refined, with, start)?)
+                        .map_or(known, |(pieces, _)| pieces)),
+                    false => Ok(known),
                 };
             }
             let of_rounding = probe.of_rounding();
@@ -207,7 +209,7 @@ impl Diagnostic {
                     {
                         Ok(pieces)
                     }
-                    _ => self.beyond_memory(probe, with, error),
+                    _ => Ok(probe),
                 };
             }
             if auto && pieces.is_none() && expected > FAR_FROM_WANTED * standing.wanted {
@@ -339,36 +341,6 @@ impl Diagnostic {
         Ok(Some((pieces.knowing(with.h, advanced, spent), uncertainty)))
     }
 
-    /// The piecewise rule for a broken loop; finite differences, which need all the samples they can get, where
-    /// there are more breaks than it can follow; what the samples showed where no evaluations are left.
-    fn broken<'a>(
-        &self,
-        probe: Probe<'a>,
-        advanced: LoopAfterStep,
-        refined: &RefinedSamples<'_>,
-        with: &Resolution<'_>,
-        spent: usize,
-    ) -> Result<Probe<'a>, Error> {
-        let subject = probe.subject;
-        let start = subject.evaluator.count().made() - spent;
-        let known = probe.knowing(with.h, advanced, spent);
-        let Some((pieces, uncertainty)) = self.tried(subject, refined, with, start)? else {
-            return Ok(known);
-        };
-        if uncertainty <= WEAKEST_BOUND {
-            return Ok(pieces);
-        }
-        let most = range_of_samples(subject.dof());
-        let left = with
-            .allowance
-            .saturating_sub(subject.evaluator.count().made() - start);
-        if most > left {
-            return Ok(pieces);
-        }
-        let rule = Rule::FiniteDifference(Cutoffs::relative(CUTOFF));
-        Probe::new(subject, rule, most)
-    }
-
     /// Whether the ensembles that are wanted are too large for the rules that keep samples.
     pub(in crate::diagnosis) fn must_stream(&self, dof: usize) -> bool {
         match self.samples {
@@ -377,19 +349,18 @@ impl Diagnostic {
         }
     }
 
-    /// The streaming rule, samples doubled from `from` where their number is not given; and the quadrature
-    /// error that it leaves, if that was measured.
+    /// The streaming rule, samples doubled from `from` where their number is not given.
     fn streamed<'a>(
         &self,
         subject: Subject<'a>,
         rule: Rule,
         with: &Resolution<'_>,
         from: usize,
-    ) -> Result<(Probe<'a>, Option<f64>), Error> {
+    ) -> Result<Probe<'a>, Error> {
         let mut nothing_to_see = |_: &Ensemble| {};
         if let SampleCount::Fixed(_) = self.samples {
             let probe = Probe::new(subject, rule, with.plan.first_samples)?;
-            return Ok((self.measured(probe, with, &mut nothing_to_see)?, None));
+            return self.measured(probe, with, &mut nothing_to_see);
         }
         let most = most_streamed(subject.dof(), from);
         let count = subject.evaluator.count();
@@ -405,41 +376,10 @@ impl Diagnostic {
             let broken = !known.advanced.breaks.is_empty();
             let all = 2 * samples > most || spent + 2 * samples > with.allowance;
             if standing.is_done() || broken || all {
-                return Ok((probe, Some(standing.error)));
+                return Ok(probe);
             }
             samples *= 2;
         }
-    }
-
-    /// The stencil of the streaming rule.
-    fn streaming(&self) -> Streaming {
-        match self.rule {
-            Rule::Streaming(streaming) => streaming,
-            _ => self.streaming,
-        }
-    }
-
-    /// The streaming rule from more samples than fit into memory, if it leaves less than the `error` of a
-    /// probe from all that do.
-    fn beyond_memory<'a>(
-        &self,
-        probe: Probe<'a>,
-        with: &Resolution<'_>,
-        error: f64,
-    ) -> Result<Probe<'a>, Error> {
-        let more = 2 * probe.samples;
-        let dof = probe.subject.dof();
-        let possible = self.samples == SampleCount::Auto
-            && !fits(dof, more)
-            && more <= most_streamed(dof, more)
-            && more <= with.allowance;
-        if !possible {
-            return Ok(probe);
-        }
-        let rule = Rule::Streaming(self.streaming());
-        let (streamed, left) = self.streamed(probe.subject, rule, with, more)?;
-        let better = left.is_some_and(|left| left < error);
-        Ok(if better { streamed } else { probe })
     }
 }
 
