@@ -7,8 +7,8 @@ pub(in crate::diagnosis) mod probe;
 pub(in crate::diagnosis) mod refined_samples;
 
 use crate::diagnosis::limits::{
-    AGREEMENT, COARSE, FAR_FROM_WANTED, FEWEST_TRIED, LEAST_KINKED, MOST_BYTES, MOST_KINKED,
-    MOST_STREAMED, MOST_TRIED,
+    AGREEMENT, FAR_FROM_WANTED, FEWEST_TRIED, LEAST_KINKED, MOST_BYTES, MOST_KINKED, MOST_STREAMED,
+    MOST_TRIED,
 };
 use crate::diagnosis::plan::fits;
 use crate::diagnosis::plan::{Plan, power_below};
@@ -22,7 +22,7 @@ use convergence::{Convergence, wanted};
 use features::{feature_at_sample, feature_between_samples};
 use initial_samples::InitialSamples;
 use probe::{Probe, StepMeasurement};
-use refined_samples::{RefinedSamples, coarse, most_rounded};
+use refined_samples::{RefinedSamples, coarse};
 
 /// What one loop is resolved with: the step, the plan, the most samples, and how many evaluations it may take in
 /// all.
@@ -45,20 +45,13 @@ impl Diagnostic {
     ) -> Result<Probe<'a>, Error> {
         let dof = subject.dof();
         let first = with.plan.first_samples;
-        let first_of_rule = match self.rule {
-            Rule::Streaming(_) | Rule::Piecewise(_) => {
-                self.down_to_the_grain(subject, first, with.h)?
-            }
-            _ => first,
-        };
         match self.rule {
             Rule::Auto if self.must_stream(dof) => {
                 let rule = Rule::Streaming(self.streaming);
                 self.streamed(subject, rule, with, first)
             }
-            Rule::Streaming(_) => self.streamed(subject, self.rule, with, first_of_rule),
+            Rule::Streaming(_) => self.streamed(subject, self.rule, with, first),
             Rule::Piecewise(piecewise) => {
-                let first = first_of_rule;
                 let of_pieces = with.allowance.saturating_sub(first);
                 let rule = Rule::Piecewise(Piecewise {
                     tolerance: piecewise.tolerance.max(with.plan.tolerance),
@@ -98,26 +91,9 @@ impl Diagnostic {
         match (self.rule, self.samples) {
             (Rule::Streaming(_), _) => None,
             (Rule::Auto, _) if self.must_stream(dof) => None,
-            (_, SampleCount::Fixed(_)) => Some(first),
-            (Rule::Piecewise(_), SampleCount::Auto) => (first <= COARSE).then_some(first),
+            (Rule::Piecewise(_), _) | (_, SampleCount::Fixed(_)) => Some(first),
             (_, SampleCount::Auto) => Some(coarse(first)),
         }
-    }
-
-    /// So many samples of a rule that does not double them, or fewer where the map rounds.
-    fn down_to_the_grain(
-        &self,
-        subject: Subject<'_>,
-        samples: usize,
-        h: f64,
-    ) -> Result<usize, Error> {
-        if self.samples != SampleCount::Auto || samples <= COARSE {
-            return Ok(samples);
-        }
-        subject.learn_grain(h)?;
-        let grain = subject.evaluator.grain();
-        let most = grain.map_or(f64::INFINITY, |grain| most_rounded(&grain));
-        Ok(samples.min(power_below(most.min(1e9) as usize).max(COARSE)))
     }
 
     /// The probe with its step measured.

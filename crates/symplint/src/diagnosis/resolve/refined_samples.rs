@@ -2,7 +2,6 @@
 
 use crate::diagnosis::limits::{COARSE, GRAINS_ROUND, MOST_ROUNDED};
 use crate::error::{Error, StateAt};
-use crate::map::Grain;
 use crate::rules::Subject;
 use crate::state::{Ensemble, coordinate};
 
@@ -57,7 +56,11 @@ impl<'a> RefinedSamples<'a> {
         let mut count = coarse(samples);
         let mut refined = RefinedSamples::new(subject, count, h)?;
         let grain = subject.evaluator.grain();
-        let most = grain.map_or(f64::INFINITY, |grain| most_rounded(&grain));
+        let widths = grain.map_or(f64::INFINITY, |grain| grain.widths());
+        let most = match widths.is_finite() {
+            true => (GRAINS_ROUND * widths).min(MOST_ROUNDED),
+            false => f64::INFINITY,
+        };
         while count < samples && 2.0 * count as f64 <= most {
             count *= 2;
             refined.double()?;
@@ -104,14 +107,6 @@ impl<'a> RefinedSamples<'a> {
 pub(in crate::diagnosis) fn coarse(samples: usize) -> usize {
     let doublings = (samples / COARSE).max(1).ilog2();
     samples >> doublings.min(samples.trailing_zeros())
-}
-
-/// The most samples from which doubling begins where the map has this grain; infinite where it does not round.
-pub(in crate::diagnosis) fn most_rounded(grain: &Grain) -> f64 {
-    match grain.widths() {
-        widths if widths.is_finite() => (GRAINS_ROUND * widths).min(MOST_ROUNDED),
-        _ => f64::INFINITY,
-    }
 }
 
 #[cfg(test)]
