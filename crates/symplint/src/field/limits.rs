@@ -21,22 +21,11 @@ pub(super) const ALLOWANCE_OF_ONE_LOOP: f64 = 8.0;
 /// Samples of a loop at first: a loop on which a force is nearly linear has few modes.
 pub(super) const FIRST_SAMPLES: usize = 32;
 
-/// The same of a loop of [`MANY_SAMPLES`] or more on which the force is not smooth enough for that: tables, switching functions.
-/// Conventional.
-pub(super) const ENOUGH_ACROSS_KINKS: f64 = 1e-10;
-
-/// Samples that resolve a smooth force to rounding. Calibrated: on wide loops Lennard-Jones forces take 512.
-pub(super) const MANY_SAMPLES: usize = 1024;
-
 /// Samples of a small ellipse at first.
 pub(super) const FIRST_OF_PAIR: usize = 16;
 
 /// Samples of a contractible loop of one position at most: its integral is zero for every force. Conventional.
 pub(super) const MOST_OF_ONE_POSITION: usize = 256;
-
-/// A loop across which the force jumps has enough samples if its integral is zero within this part of its scale. Conventional: a
-/// digit more than a gradient has at least; each further factor of two takes twice the evaluations.
-pub(super) const ENOUGH_ACROSS_JUMPS: f64 = 1e-4;
 
 /// Samples of a small ellipse at most.
 pub(super) const MOST_OF_PAIR: usize = 128;

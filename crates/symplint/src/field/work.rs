@@ -2,10 +2,7 @@
 
 use super::evidence::{LoopKind, LoopWork};
 use super::integrand::{Integrand, Moments};
-use super::limits::{
-    BISECTIONS, ENOUGH_ACROSS_JUMPS, ENOUGH_ACROSS_KINKS, MANY_SAMPLES, PART_OF_JUMP,
-    ROUNDING_NOISE, ROUNDINGS,
-};
+use super::limits::{BISECTIONS, PART_OF_JUMP, ROUNDING_NOISE, ROUNDINGS};
 use super::spectrum::Spectrum;
 use crate::error::Error;
 use crate::loops::FourierLoop;
@@ -115,15 +112,7 @@ impl<'a> Integration<'a> {
             let noise = noise.of_integral;
             let is_zero = spectrum.mean.abs() <= SIGNIFICANT * (spectrum.error() + noise);
             let count = self.power.len();
-            let bound = spectrum.mean.abs() + spectrum.error() + noise;
-            let enough = match spectrum.jumps() {
-                Some(_) => ENOUGH_ACROSS_JUMPS,
-                None if count >= MANY_SAMPLES => ENOUGH_ACROSS_KINKS,
-                None => 0.0,
-            };
-            let is_enough = bound <= enough * self.scale(kind);
             if (is_resolved && (is_zero || confirmed))
-                || is_enough
                 || count >= limits.samples
                 || made + count > limits.evaluations
                 || self.integrand.evaluator.count().left() < count
