@@ -84,7 +84,6 @@ pub(super) fn suggested(
 ) -> Result<Reach, Error> {
     let dof = centre.0.len();
     let mut largest = Vec::new();
-    let mut linear_from = None;
     let mut best: Option<(f64, f64)> = None;
     let mut failure = None;
     let integrand = Integrand {
@@ -119,7 +118,6 @@ pub(super) fn suggested(
             Err(error) if error.is_of_map() => {
                 failure = Some(error);
                 largest.clear();
-                linear_from = None;
                 continue;
             }
             Err(error) => return Err(error),
@@ -140,10 +138,8 @@ pub(super) fn suggested(
                             .map(|(large, small): (&f64, &f64)| large - 2.0 * small),
                     );
                     let nonlinear = off.max(4.0 * even) / (2.0 * linear);
-                    match (linear_from, nonlinear <= MOST_NONLINEAR) {
-                        // By chance a wave looks linear once, and hardly twice.
-                        (Some(from), true) => return Ok(reach(from)),
-                        (_, is_linear) => linear_from = is_linear.then_some(2.0 * factor),
+                    if nonlinear <= MOST_NONLINEAR {
+                        return Ok(reach(2.0 * factor));
                     }
                     if nonlinear.is_finite() && best.is_none_or(|(least, _)| nonlinear < least) {
                         best = Some((nonlinear, 2.0 * factor));
