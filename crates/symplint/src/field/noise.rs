@@ -4,7 +4,7 @@ use super::integrand::Integrand;
 use super::limits::AGAIN;
 use crate::error::Error;
 use crate::loops::FourierLoop;
-use crate::signal::noise::{BESIDE, MOST_OF_OTHERS, Noise, of_a_row};
+use crate::signal::noise::{BESIDE, Noise, of_a_row};
 use crate::signal::parameter;
 
 /// Spacings, in turns of the loop. The next one is taken if neighbours are equal, as those on one stair of single precision are.
@@ -33,12 +33,7 @@ pub(super) fn over_short_distances(
         }
         *found = noise.value().unwrap_or(0.0);
     }
-    let least = found.iter().copied().fold(f64::INFINITY, f64::min);
-    let most = found.iter().copied().fold(0.0, f64::max);
-    Ok(match least > 0.0 {
-        true => most.min(MOST_OF_OTHERS * least),
-        false => most,
-    })
+    Ok(found[0].max(found[1]))
 }
 
 /// The largest difference of the power of a state when it is evaluated again: in reverse order, and alone. `power` is that of
