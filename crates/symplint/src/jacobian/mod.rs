@@ -122,21 +122,12 @@ impl JacobianTest {
         evaluator.check_dof(phase_loop.dof())?;
         self.check(h, self.evaluations(map.dof(), evaluator.has_tangent()))?;
         let size = LoopSize::of(&evaluator, phase_loop, h)?;
-        self.run_with(&evaluator, phase_loop, &size, h)
+        let s = parameters(self.points);
+        self.run_at(&evaluator, phase_loop, &size, h, s)
     }
 
-    /// The same with the evaluations counted by `evaluator`, next to a loop of this size.
-    pub(crate) fn run_with(
-        &self,
-        evaluator: &Evaluator<'_>,
-        phase_loop: &dyn Loop,
-        size: &LoopSize,
-        h: f64,
-    ) -> Result<JacobianEvidence, Error> {
-        self.run_at(evaluator, phase_loop, size, h, parameters(self.points))
-    }
-
-    /// The same at these parameters of the loop, as many as there are points.
+    /// The same at these parameters of the loop, as many as there are points, with the evaluations counted by `evaluator`, next to a
+    /// loop of this size.
     pub(crate) fn run_at(
         &self,
         evaluator: &Evaluator<'_>,
