@@ -22,9 +22,6 @@ pub(super) const FINE_SAMPLES: usize = 1 << 11;
 /// Samples that tell whether a map rounds, where more are planned: enough for any smooth loop.
 pub(super) const COARSE: usize = 256;
 
-/// A loop goes there and back: twice as many grains as its width has.
-pub(super) const GRAINS_ROUND: f64 = 2.0;
-
 /// Samples from which doubling begins where a map rounds. Derived: with eight step sizes and seven random loops they take
 /// less than 50,000 evaluations; more gain a digit for each hundredfold.
 pub(super) const MOST_ROUNDED: f64 = 2048.0;
@@ -210,12 +207,6 @@ pub(super) const STRETCHED: f64 = 12.0;
 /// parts. Calibrated: one loop takes up to 900 evaluations.
 pub(super) const OF_PIECES: usize = 2_000;
 
-/// Budgets that are tried: no estimate is larger. 2^40, or the largest number of a processor with short addresses.
-pub(super) const LARGEST_BUDGET: usize = match 1_usize.checked_shl(40) {
-    Some(budget) => budget,
-    None => usize::MAX,
-};
-
 // Many steps.
 
 /// A quadrature error above this part of the largest defect so far ends the trace.
@@ -241,9 +232,6 @@ pub(super) const STATES_OF_A_RETURN: [usize; 2] = [2, 16];
 
 /// Those of them that are moved by a rounding and tested once more.
 pub(super) const STATES_OF_ROUNDING: [usize; 2] = [2, 4];
-
-/// Rounding of a step and a step back is this many times the largest one that a few states show. Conventional: half a decade.
-pub(super) const ROUNDINGS_OF_A_RETURN: f64 = 4.0;
 
 /// Step sizes below the largest one at which the change of the energy is measured. Conventional: the third step from the largest one is
 /// small enough for the order of most methods.

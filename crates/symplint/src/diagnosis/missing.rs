@@ -7,9 +7,7 @@
 
 use super::checks::constraint::singular_cost;
 use super::checks::memory::cost_again;
-use super::limits::{
-    CONTRACTION, DOMAIN_PART, LARGEST_BUDGET, OF_PIECES, STEEPER, STRETCHED, TWO_DOUBLINGS,
-};
+use super::limits::{CONTRACTION, DOMAIN_PART, OF_PIECES, STEEPER, STRETCHED, TWO_DOUBLINGS};
 use super::plan::Plan;
 use super::{Diagnostic, SampleCount};
 use crate::error::Error;
@@ -86,10 +84,7 @@ impl Diagnostic {
         let mut low = evidence.evaluations.budget;
         let mut high = low;
         while !enough(high) {
-            (low, high) = (
-                high,
-                high.checked_mul(2).filter(|&high| high <= LARGEST_BUDGET)?,
-            );
+            (low, high) = (high, high.checked_mul(2)?);
         }
         while low + 1 < high {
             let middle = low.midpoint(high);

@@ -5,7 +5,9 @@ use chacha20::rand_core::SeedableRng;
 
 use super::FieldKind;
 use super::integrand::Integrand;
-use super::limits::{HALVINGS, MOST_NONLINEAR, OF_FIRST_LOOP, PART_OF_CENTRE, WIDE};
+use super::limits::{
+    HALVINGS, MOST_NONLINEAR, OF_FIRST_LOOP, PART_OF_CENTRE, ROUNDING_NOISE, WIDE,
+};
 use crate::error::{Error, StateAt};
 use crate::map::Evaluator;
 use crate::signal::unit;
@@ -13,9 +15,6 @@ use crate::state::{Ensemble, coordinate_mut};
 
 /// Radii of this part of a period stay away from the other side of it.
 const PART_OF_PERIOD: f64 = 0.125;
-
-/// Relative changes of the force below this are rounding.
-const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
 /// A direction in which every coordinate moves: components between ½ and 1 in size, of either sign, with a root mean square of 1.
 pub(super) fn direction(count: usize, seed: u64, stream: u64) -> Vec<f64> {
@@ -126,7 +125,7 @@ pub(super) fn suggested(
                 let even =
                     norm((rows.iter().zip(&middle)).map(|(row, m)| 0.5 * (row[0] + row[1]) - m[0]));
                 let linear = norm(odd.iter().copied());
-                if linear.max(even) <= ROUNDING * of_middle {
+                if linear.max(even) <= ROUNDING_NOISE * f64::EPSILON * of_middle {
                     // The form is constant as far as its rounding shows: larger radii show more.
                     let found = best.map_or(1.0, |(_, factor)| factor);
                     return Ok(reach(found));

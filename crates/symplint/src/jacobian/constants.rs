@@ -5,9 +5,6 @@
 /// See [`CONSTANTS`]. The test set that calibrated values refer to are the tests of the Jacobian in this crate
 /// and in `symplint-models`: closed forms, dual numbers, and all systems with all integrators.
 pub(super) struct Constants {
-    /// A defect this many times its uncertainty is preferred to larger ones that are less certain, and is traced
-    /// to its degrees of freedom. Conventional, and the same as the judge's.
-    pub significant: f64,
     /// The smallest defect that a tangent map attributes to its map. Calibrated: the residual of implicit
     /// stages that are solved to round-off, which no trial shows, makes 2e-13.
     pub least_defect_of_tangents: f64,
@@ -16,9 +13,6 @@ pub(super) struct Constants {
     pub least_defect_of_differences: f64,
     /// Times that each tangent vector is advanced: as it is, and in pairs from states nudged to either side.
     pub trials: usize,
-    /// Round-off is estimated as this many times the largest difference between trials: few of them may round
-    /// alike by chance.
-    pub safety: f64,
     /// Relative size of the nudges of a state, in units of the machine epsilon.
     pub nudge: f64,
     /// Tangent map and differences disagree where they differ by more than this many times the sum of their
@@ -50,11 +44,9 @@ pub(super) struct Constants {
 
 /// The thresholds of a Jacobian test.
 pub(super) const CONSTANTS: Constants = Constants {
-    significant: 10.0,
     least_defect_of_tangents: 1e-12,
     least_defect_of_differences: 1e-10,
     trials: 7,
-    safety: 4.0,
     nudge: 2.0,
     disagreement: 3.0,
     first_distance: 0.125,

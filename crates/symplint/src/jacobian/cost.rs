@@ -1,7 +1,8 @@
 //! The cost of a Jacobian test, and the best one that a budget allows.
 
 use super::constants::CONSTANTS;
-use super::{JacobianTest, noise, richardson};
+use super::{JacobianTest, richardson};
+use crate::signal::noise::BESIDE;
 
 /// Points that come before more tangent vectors at each.
 const FEW_POINTS: usize = 2;
@@ -28,7 +29,7 @@ impl JacobianTest {
             true => richardson::FIRST_STATES + CONSTANTS.trials * directions,
             false => richardson::FIRST_STATES * directions,
         };
-        self.points * (1 + noise::STATES + of_derivatives)
+        self.points * (1 + BESIDE.len() + of_derivatives)
     }
 
     /// The best test that makes `budget` evaluations at most, and no better one than by default: first two points,

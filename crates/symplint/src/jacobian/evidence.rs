@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::constants::CONSTANTS;
+use crate::signal::SIGNIFICANT;
 
 /// By which method a Jacobian test computes derivatives.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -87,7 +88,7 @@ impl TangentDefect {
     /// Whether it is larger than noise makes it, by derivatives of this method. It rules which of several
     /// defects is kept, and which one is traced to its degrees of freedom.
     pub(super) fn is_significant(&self, method: JacobianMethod) -> bool {
-        self.magnitude() > (method.least_defect()).max(CONSTANTS.significant * self.uncertainty)
+        self.magnitude() > (method.least_defect()).max(SIGNIFICANT * self.uncertainty)
     }
 
     /// The largest of the significant ones, or else of all; the first of equals.

@@ -1,9 +1,9 @@
 //! Tangent vectors in units of the loop, and the symplectic form on them.
 
-use super::constants::CONSTANTS;
 use super::derivative::Derivative;
 use crate::error::Error;
 use crate::map::LoopSize;
+use crate::signal::noise::SAFETY;
 use crate::signal::{CompensatedSum, UNIT_ROUNDOFF};
 use crate::state::{Coordinates, period};
 
@@ -84,7 +84,7 @@ impl Frame {
         let (value, terms) = self.change((u, &of_u.value), (v, &of_v.value));
         let of_trials = (of_u.trials.iter().zip(&of_v.trials))
             .map(|(a, b)| self.change((u, a), (v, b)).0)
-            .map(|of_trial| CONSTANTS.safety * (of_trial - value).abs());
+            .map(|of_trial| SAFETY * (of_trial - value).abs());
         let error = of_trials.reduce(f64::max).unwrap_or_else(|| {
             self.error_of_form((&of_u.value, &of_u.error), (&of_v.value, &of_v.error))
         });

@@ -8,9 +8,6 @@ const SPACINGS: [f64; 4] = [1.434e-5, 2.371e-4, 3.883e-3, 2.0e-2];
 /// Spacings of a noise stencil.
 pub(super) const LEVELS: usize = SPACINGS.len();
 
-/// States at each spacing; there is one more at the centre.
-pub(super) const STATES: usize = BESIDE.len();
-
 /// How far along the direction the states at a spacing are.
 pub(super) fn offsets(level: usize) -> impl Iterator<Item = f64> {
     BESIDE.into_iter().map(move |node| node * SPACINGS[level])

@@ -15,8 +15,6 @@ use super::constants::CONSTANTS;
 use super::derivative::Derivative;
 
 pub(super) const LEVELS: usize = CONSTANTS.levels;
-const DEEPEST: usize = CONSTANTS.deepest;
-
 /// States at ±t for every distance.
 pub(super) const STATES: usize = 2 * LEVELS;
 
@@ -44,14 +42,14 @@ pub(super) fn finer_levels_help(derivative: &Derivative, noise: f64) -> bool {
     derivative.largest_error() > of_interest.max(CONSTANTS.gain * noise / distance(FINER.start))
 }
 
-type Table = [[f64; DEEPEST + 1]; LEVELS];
+type Table = [[f64; CONSTANTS.deepest + 1]; LEVELS];
 
 /// Removes the powers t^first, t^(first + 2), … from a sequence over the levels.
 fn extrapolate(sequence: impl Iterator<Item = f64>, first: i32) -> Table {
-    let mut table = [[0.0; DEEPEST + 1]; LEVELS];
+    let mut table = [[0.0; CONSTANTS.deepest + 1]; LEVELS];
     for (level, value) in sequence.enumerate() {
         table[level][0] = value;
-        for depth in 1..=level.min(DEEPEST) {
+        for depth in 1..=level.min(CONSTANTS.deepest) {
             let (fine, coarse) = (table[level][depth - 1], table[level - 1][depth - 1]);
             let factor = CONSTANTS.ratio.powi(first + 2 * (depth as i32 - 1));
             table[level][depth] = fine + (fine - coarse) / (factor - 1.0);
@@ -122,13 +120,15 @@ pub(super) fn derivative(
     levels: usize,
     differences: impl Fn(usize) -> ([f64; STATES], f64),
 ) -> Derivative {
-    let entries =
-        || (1..levels).flat_map(|level| (1..=level.min(DEEPEST)).map(move |depth| (level, depth)));
+    let entries = || {
+        (1..levels)
+            .flat_map(|level| (1..=level.min(CONSTANTS.deepest)).map(move |depth| (level, depth)))
+    };
     let tables = |c: usize| {
         let (differences, noise) = differences(c);
         Tables::new(levels, &differences, noise)
     };
-    let mut worst = [[0.0_f64; DEEPEST + 1]; LEVELS];
+    let mut worst = [[0.0_f64; CONSTANTS.deepest + 1]; LEVELS];
     for c in 0..coordinates {
         let tables = tables(c);
         for (level, depth) in entries() {

@@ -14,8 +14,7 @@ use crate::error::{Error, StateAt};
 use crate::loops::Loop;
 use crate::map::{Evaluator, LoopSize};
 use crate::signal::nearest;
-use crate::signal::noise::SAFETY;
-use crate::signal::noise::{Noise, of_a_row};
+use crate::signal::noise::{BESIDE, Noise, SAFETY, of_a_row};
 use crate::state::{Block, Ensemble, coordinate, in_parallel};
 
 /// A tangent vector at a point, in units of the frame.
@@ -148,7 +147,7 @@ impl<'a> Sampler<'a> {
         let of_a_row = of_a_row();
         let mut found = vec![vec![Noise::default(); self.coordinates()]; self.s.len()];
         let points: Vec<usize> = (0..self.s.len()).collect();
-        for batch in points.chunks(self.in_a_batch(1 + noise::STATES)) {
+        for batch in points.chunks(self.in_a_batch(1 + BESIDE.len())) {
             let mut unresolved = batch.to_vec();
             for level in 0..noise::LEVELS {
                 let centre = (level == 0).then_some(0.0);
@@ -165,7 +164,7 @@ impl<'a> Sampler<'a> {
                         self.after.push(centre.collect());
                     }
                     for (c, noise) in found[point].iter_mut().enumerate() {
-                        let around = &stencil(k, c)[offsets.len() - noise::STATES..];
+                        let around = &stencil(k, c)[offsets.len() - BESIDE.len()..];
                         let difference = |k: usize| self.difference(point, c, around[k]);
                         noise.add(&of_a_row, std::array::from_fn(difference));
                     }
@@ -174,7 +173,7 @@ impl<'a> Sampler<'a> {
                     let mut of_coordinates = found[point].iter().enumerate();
                     let resolved =
                         of_coordinates.all(|(c, noise)| noise.resolved || self.is_constant(c));
-                    level + 1 < noise::LEVELS && !resolved && self.draw(noise::STATES)
+                    level + 1 < noise::LEVELS && !resolved && self.draw(BESIDE.len())
                 });
                 if unresolved.is_empty() {
                     break;

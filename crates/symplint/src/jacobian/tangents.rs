@@ -12,10 +12,9 @@ use super::derivative::Derivative;
 use super::evidence::TangentRejection;
 use super::sampler::{Sampler, TangentVector};
 use crate::error::{Error, StateAt};
+use crate::signal::noise::SAFETY;
 use crate::signal::{GOLDEN_RATIO, unit};
 use crate::state::{Block, Ensemble, coordinate, coordinate_mut, in_parallel};
-
-const TRIALS: usize = CONSTANTS.trials;
 
 /// The factors of the tangent vector in a trial: not powers of two, which round alike.
 fn factor(trial: usize) -> f64 {
@@ -27,7 +26,7 @@ fn factor(trial: usize) -> f64 {
 fn nudges(coordinates: usize) -> Vec<Vec<f64>> {
     let mut random = ChaCha8Rng::seed_from_u64(0);
     let mut nudges = vec![vec![0.0; coordinates]];
-    while nudges.len() < TRIALS {
+    while nudges.len() < CONSTANTS.trials {
         let size = CONSTANTS.nudge * f64::EPSILON;
         let mut nudge = || size * (2.0 * unit(&mut random) - 1.0);
         let ahead: Vec<f64> = (0..coordinates).map(|_| nudge()).collect();
@@ -45,14 +44,14 @@ impl Sampler<'_> {
         vectors: &[TangentVector<'_>],
     ) -> Result<Vec<Derivative>, Error> {
         let mut found = Vec::with_capacity(vectors.len());
-        for batch in vectors.chunks(self.in_a_batch(2 * TRIALS)) {
+        for batch in vectors.chunks(self.in_a_batch(2 * CONSTANTS.trials)) {
             let (states, tangents) = self.tangent_images(batch)?;
             for (k, vector) in batch.iter().enumerate() {
-                let wrong = self.wrong_state(vector.point, &states, k * TRIALS);
+                let wrong = self.wrong_state(vector.point, &states, k * CONSTANTS.trials);
                 self.rejected = self.rejected.or(wrong);
             }
-            let of = |k: usize| self.tangent_derivative(&tangents, k * TRIALS);
-            let numbers = 2 * self.frame.dof() * TRIALS;
+            let of = |k: usize| self.tangent_derivative(&tangents, k * CONSTANTS.trials);
+            let numbers = 2 * self.frame.dof() * CONSTANTS.trials;
             found.extend(in_parallel(0..batch.len(), numbers, of));
         }
         Ok(found)
@@ -60,11 +59,11 @@ impl Sampler<'_> {
 
     /// Advances every trial of every vector, in this order.
     fn tangent_images(&self, vectors: &[TangentVector<'_>]) -> Result<(Ensemble, Ensemble), Error> {
-        let (dof, count) = (self.frame.dof(), TRIALS * vectors.len());
+        let (dof, count) = (self.frame.dof(), CONSTANTS.trials * vectors.len());
         Ensemble::check_size(dof, 2 * count)?;
         let mut states = Ensemble::zeros(dof, count);
         let mut tangents = Ensemble::zeros(dof, count);
-        let of_vector = |&vector| (0..TRIALS).map(move |trial| (vector, trial));
+        let of_vector = |&vector| (0..CONSTANTS.trials).map(move |trial| (vector, trial));
         let columns: Vec<(TangentVector<'_>, usize)> = vectors.iter().flat_map(of_vector).collect();
         let nudges = nudges(2 * dof);
         let fill = |first: usize, states: &mut Block<'_>, tangents: &mut Block<'_>| {
@@ -115,12 +114,12 @@ impl Sampler<'_> {
             value: of_trial(0),
             error: Vec::new(),
             converged: false,
-            trials: (1..TRIALS).map(of_trial).collect(),
+            trials: (1..CONSTANTS.trials).map(of_trial).collect(),
         };
         let largest = found.largest();
         let error = |(c, own): (usize, &f64)| {
             let shown = found.trials.iter().map(|trial| (trial[c] - own).abs());
-            CONSTANTS.safety * shown.fold(0.0, f64::max) + f64::EPSILON * largest
+            SAFETY * shown.fold(0.0, f64::max) + f64::EPSILON * largest
         };
         found.error = found.value.iter().enumerate().map(error).collect();
         let mut numbers = found.trials.iter().flatten().chain(&found.value);
@@ -134,7 +133,7 @@ impl Sampler<'_> {
     /// tangent vectors of single precision as for others.
     fn unresolved(&self, tangents: &Ensemble, first: usize) -> f64 {
         let is_single = (0..self.coordinates()).all(|c| {
-            let trials = &coordinate(tangents, c)[first..first + TRIALS];
+            let trials = &coordinate(tangents, c)[first..first + CONSTANTS.trials];
             trials.iter().all(|&x| f64::from(x as f32) == x)
         });
         match is_single {

@@ -29,9 +29,6 @@ type Sums = Vec<Vec<[f64; 3]>>;
 /// Cells that are integrated together.
 const CHUNK: usize = 256;
 
-/// Numbers that a polynomial of a cell is made of: each of its rows at each node.
-const NUMBERS: usize = OF_ROWS * OF_ROWS;
-
 /// One coordinate round the loop.
 struct Row {
     /// Unwrapped, relative to the first row, on three turns, of which the loop is the second.
@@ -145,7 +142,7 @@ impl ArcLength {
                     .collect();
                 Some(stencil.nodes.iter().map(|node| speed(node, &values)).sum())
             };
-            let cells = in_parallel(0..n, NUMBERS, of_cell);
+            let cells = in_parallel(0..n, OF_ROWS * OF_ROWS, of_cell);
             found = ArcLength::from_cells(cells.into_iter().collect::<Option<_>>()?)?;
         }
         Some(found)
@@ -294,7 +291,7 @@ impl ArcLength {
             sums
         };
         let firsts: Vec<usize> = (0..n).step_by(chunk).collect();
-        let chunks = in_parallel(firsts, NUMBERS * chunk * ORDERS.len(), of_cells);
+        let chunks = in_parallel(firsts, OF_ROWS * OF_ROWS * chunk * ORDERS.len(), of_cells);
         let mut integrals = [const { None }; ORDERS.len() - 1];
         for (order, integral) in integrals.iter_mut().enumerate() {
             let (mut total, mut error, mut scale) = (CompensatedSum::default(), 0.0, 0.0);

@@ -15,7 +15,7 @@ use super::jacobian::{JacobianVerdict, compare_jacobian};
 use super::order::{Fit, clear, fit_order, known_data, leaves};
 use super::properties::{Property, properties};
 use super::slope::{constant_defect, slope_of, smallest_steps_slope};
-use super::thresholds::{FAR, HIGHEST_ORDER, MAX_SLOPE_DIFFERENCE, SMALL, TREND};
+use super::thresholds::{FAR, HIGHEST_ORDER, SMALL, TREND};
 use super::{Verdict, VerdictKind, long_time};
 use crate::evidence::{
     Check, Evidence, FEWEST_OF_A_LAW, LoopEvidence, LoopKind, Motion, Omission, Origin, Scatter,
@@ -336,8 +336,8 @@ impl<'a> Case<'a> {
             Some(step.defect.signed)
         });
         // Loops can hide lower orders than the Jacobian shows; its one point can hide the order of the loops, not the next one.
-        let lowest = slope(after.magnitude() + after.uncertainty) - 1.0 - MAX_SLOPE_DIFFERENCE;
-        let highest = slope(after.magnitude() - after.uncertainty) + MAX_SLOPE_DIFFERENCE;
+        let lowest = slope(after.magnitude() + after.uncertainty) - 1.0 - TREND;
+        let highest = slope(after.magnitude() - after.uncertainty) + TREND;
         let agrees = |of_loop: f64| (lowest..=highest).contains(&of_loop);
         let agree = agrees(of_law) || measured.is_some_and(agrees);
         (!agree).then(|| slope(after.magnitude()))

@@ -61,10 +61,6 @@ pub(super) const CLEAR: f64 = 50.0;
 /// A law may miss a point by this part of its scale: terms that were left out.
 pub(super) const MISFIT: f64 = 0.02;
 
-/// The order of a law and the mean slope of the Jacobian's defect over the same step sizes differ by less than this.
-/// Derived: half of the distance of two orders.
-pub(super) const MAX_SLOPE_DIFFERENCE: f64 = 0.5;
-
 /// Orders of methods that one can meet.
 pub(super) const HIGHEST_ORDER: f64 = 14.0;
 

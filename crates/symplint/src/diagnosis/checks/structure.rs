@@ -2,7 +2,7 @@
 
 use super::{GivenLoop, Runner, failed, if_possible};
 use crate::diagnosis::limits::{
-    ROUNDINGS_OF_A_RETURN, SIZES_OF_ENERGY, STATES_OF_A_RETURN, STATES_OF_ROUNDING, STRUCTURE_PART,
+    SIZES_OF_ENERGY, STATES_OF_A_RETURN, STATES_OF_ROUNDING, STRUCTURE_PART,
 };
 use crate::diagnosis::plan::fits;
 use crate::error::Error;
@@ -10,6 +10,7 @@ use crate::evidence::{Check, EnergyAtStep, EnergyChange, ReturnDefect, Structure
 use crate::loops::FEW_SAMPLES;
 use crate::map::{self, Evaluator};
 use crate::rules::Subject;
+use crate::signal::noise::SAFETY;
 use crate::signal::{SIGNIFICANT, nearest, parameters};
 use crate::state::{Ensemble, coordinate, coordinate_mut, period};
 use crate::trace::Observable;
@@ -253,7 +254,7 @@ impl Returns {
         let range = range.max(rounding).max(f64::MIN_POSITIVE);
         Some(EnergyChange {
             change: largest(&mut (0..states).map(change)) / range,
-            uncertainty: ROUNDINGS_OF_A_RETURN * scatter.max(rounding) / range,
+            uncertainty: SAFETY * scatter.max(rounding) / range,
             range,
             by_step_size: None,
         })
@@ -308,7 +309,7 @@ impl Returns {
                 coordinate: if c < dof { 'q' } else { 'p' },
                 dof: c % dof,
                 defect: distance(largest).abs() / size,
-                uncertainty: ROUNDINGS_OF_A_RETURN * scatter.fold(unit, f64::max) / size,
+                uncertainty: SAFETY * scatter.fold(unit, f64::max) / size,
             }
         };
         let excess = |of: &ReturnDefect| of.defect / of.uncertainty;

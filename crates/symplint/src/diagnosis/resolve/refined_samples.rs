@@ -1,6 +1,6 @@
 //! Samples that are doubled without making or advancing any of them twice.
 
-use crate::diagnosis::limits::{COARSE, GRAINS_ROUND, MOST_ROUNDED};
+use crate::diagnosis::limits::{COARSE, MOST_ROUNDED};
 use crate::error::{Error, StateAt};
 use crate::rules::Subject;
 use crate::state::{Ensemble, coordinate};
@@ -58,7 +58,8 @@ impl<'a> RefinedSamples<'a> {
         let grain = subject.evaluator.grain();
         let widths = grain.map_or(f64::INFINITY, |grain| grain.widths());
         let most = match widths.is_finite() {
-            true => (GRAINS_ROUND * widths).min(MOST_ROUNDED),
+            // A loop goes there and back.
+            true => (2.0 * widths).min(MOST_ROUNDED),
             false => f64::INFINITY,
         };
         while count < samples && 2.0 * count as f64 <= most {

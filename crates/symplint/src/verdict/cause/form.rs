@@ -15,14 +15,11 @@ const BETTER: f64 = 100.0;
 /// Entries of a form that are written out.
 const MOST_ENTRIES: usize = 12;
 
-/// Degrees of freedom up to which a form is written as a matrix.
+/// Degrees of freedom up to which a form is written as a matrix, and the momenta of a field are written out.
 const MOST_OF_MATRIX: usize = 3;
 
 /// Degrees of freedom from which a linear step may be one of fields on a grid.
 const FEWEST_OF_FIELDS: usize = 3;
-
-/// Degrees of freedom up to which the momenta of a field are written out.
-const MOST_OF_MOMENTA: usize = 3;
 
 impl Clues<'_> {
     /// The momenta are not canonical: the map preserves another form, on loops as well.
@@ -292,7 +289,7 @@ impl PreservedForm {
     fn field_setting(&self) -> String {
         let of_momenta = |entry: &FormEntry| entry.coordinates[0] >= self.dof;
         // Fields that vary are those of few positions.
-        if self.dof > MOST_OF_MOMENTA || self.entries.iter().any(of_momenta) {
+        if self.dof > MOST_OF_MATRIX || self.entries.iter().any(of_momenta) {
             return self.form_setting();
         }
         let pairs = self.pairs().unwrap_or_default();

@@ -6,6 +6,7 @@ use crate::error::{Error, StateAt};
 use crate::evidence::{Rank, SingularJacobian};
 use crate::map::{Evaluator, LoopSize};
 use crate::rules::Subject;
+use crate::signal::noise::SAFETY;
 use crate::signal::{nearest, parameter};
 use crate::state::{Block, Ensemble, coordinate, coordinate_mut, period};
 
@@ -19,8 +20,8 @@ const DISTANCES: [f64; 3] = [1.0 / 64.0, 1.0 / 128.0, 1.0 / 256.0];
 /// States that are advanced for each column.
 const STATES: usize = 2 * DISTANCES.len();
 
-/// Degrees of freedom whose columns are all taken, or of one stretch of neighbours: a constraint binds neighbours.
-const MOST_DOFS: usize = 64;
+/// Degrees of freedom of one stretch of neighbours, as a constraint binds neighbours, and stretches. Up to as many as all of them have,
+/// the columns of all degrees of freedom are taken.
 const DOFS_OF_STRETCH: usize = 16;
 const STRETCHES: usize = 4;
 
@@ -30,9 +31,6 @@ const PROJECTED: f64 = 1e-5;
 
 /// Differences whose errors are larger than this part do not show it.
 const MOST_ERROR: f64 = 0.05;
-
-/// A smallest singular value that is this many times its error is not zero.
-const ERRORS: f64 = 4.0;
 
 /// Singular values below this part of the largest one are zero. Those of a form are at least 1e-3 in coordinates of similar
 /// action, and the differences have errors of 1e-9.
@@ -140,7 +138,7 @@ fn rounding_hides(evaluator: &Evaluator<'_>, size: &LoopSize) -> bool {
 
 /// All degrees of freedom, or some neighbouring ones.
 fn stretches(dof: usize) -> Vec<Vec<usize>> {
-    if dof <= MOST_DOFS {
+    if dof <= STRETCHES * DOFS_OF_STRETCH {
         return vec![(0..dof).collect()];
     }
     let last = dof - DOFS_OF_STRETCH;
@@ -226,7 +224,7 @@ impl Columns {
             [squares.min(), squares.max()].map(|square| square.max(0.0).sqrt());
         let error = self.errors.norm();
         let resolved = error * largest <= MOST_ERROR;
-        let zero = (PROJECTED / largest).max(ERRORS * error);
+        let zero = (PROJECTED / largest).max(SAFETY * error);
         // Of numbers that are not finite nothing is true.
         (resolved && smallest <= zero).then(|| SingularJacobian {
             s,
@@ -251,7 +249,7 @@ impl Columns {
         let kept: Vec<usize> = (0..coordinates).filter(|&k| sizes[k] > zero).collect();
         let least = kept.iter().map(|&k| sizes[k]).fold(f64::INFINITY, f64::min);
         // An error of the image, and as much of its conjugate.
-        let tolerance = ZERO_PART.max(2.0 * ERRORS * error / least);
+        let tolerance = ZERO_PART.max(2.0 * SAFETY * error / least);
         let rank = kept.len();
         if rank == 0 || tolerance > MOST_ERROR_OF_RANK {
             return None;
@@ -280,7 +278,7 @@ impl Columns {
             let half = of_q.transpose() * p.abs() + q.abs().transpose() * &of_p;
             &half + half.transpose()
         };
-        let significant = |i: usize, j: usize| form[(i, j)].abs() > ERRORS * errors[(i, j)];
+        let significant = |i: usize, j: usize| form[(i, j)].abs() > SAFETY * errors[(i, j)];
         let n = form.nrows();
         let mut scale = vec![1.0; n];
         // Degrees of freedom of different action, and coordinates in different units, count alike.
@@ -305,7 +303,7 @@ impl Columns {
         };
         let sizes = singular_values(&scaled(&form));
         let largest = sizes.iter().copied().fold(0.0, f64::max);
-        let tolerance = (ZERO_PART * largest).max(ERRORS * scaled(&errors).norm());
+        let tolerance = (ZERO_PART * largest).max(SAFETY * scaled(&errors).norm());
         let resolved = largest == 0.0 || tolerance <= MOST_ERROR_OF_RANK * largest;
         resolved.then(|| Rank {
             rank: sizes.iter().filter(|&&size| size > tolerance).count(),

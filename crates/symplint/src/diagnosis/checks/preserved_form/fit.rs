@@ -2,7 +2,7 @@
 
 use nalgebra::DMatrix;
 
-use super::limits::{DEGENERATE, DEGREE, LEAST_FACTOR, NEAR_ONE, NO_ENTRY, ROUNDING, ROUNDS};
+use super::limits::{DEGENERATE, DEGREE, NEAR_ONE, NO_ENTRY, ROUNDING, ROUNDS};
 use super::null_space::{Equations, NullSpace, Solutions};
 use crate::evidence::monomial;
 use crate::jacobian::TangentImages;
@@ -210,7 +210,7 @@ fn weights(images: &[TangentImages], dof: usize, coordinates: &[usize]) -> Fit {
     let largest = norms.iter().copied().fold(0.0, f64::max);
     let mut units: Vec<f64> = norms
         .iter()
-        .map(|norm| (norm / largest).recip().min(1.0 / LEAST_FACTOR))
+        .map(|norm| (norm / largest).recip().min(1.0 / DEGENERATE))
         .collect();
     for _ in 0..ROUNDS {
         let space = match equations.solve(&units) {
@@ -242,7 +242,7 @@ fn weights(images: &[TangentImages], dof: usize, coordinates: &[usize]) -> Fit {
             return Fit::Preserved((0..terms.len()).map(entry).collect());
         }
         for (unit, factor) in units.iter_mut().zip(factors) {
-            *unit *= factor.abs().max(LEAST_FACTOR);
+            *unit *= factor.abs().max(DEGENERATE);
         }
     }
     Fit::Open
@@ -289,7 +289,7 @@ fn general(images: &[TangentImages], dof: usize, coordinates: &[usize]) -> Fit {
             return Fit::Preserved(entries(&form, &space, &terms, &units));
         }
         for (scale, factor) in scale.iter_mut().zip(factors) {
-            *scale *= factor.sqrt().max(LEAST_FACTOR);
+            *scale *= factor.sqrt().max(DEGENERATE);
         }
     }
     Fit::Open

@@ -12,11 +12,9 @@ pub(super) const MOST_EVALUATIONS: usize = 2000;
 /// Samples of a loop that confirms a form at most.
 pub(super) const MOST_SAMPLES: usize = 256;
 
-/// States with all columns of the Jacobian: the last one confirms the form of the others.
+/// States with all columns of the Jacobian: the last one confirms the form of the others. Of random tangent vectors one state less is
+/// enough: the second one confirms the form of the first.
 pub(super) const STATES: usize = 3;
-
-/// States with random tangent vectors: the second one confirms the form of the first.
-pub(super) const STATES_OF_WEIGHTS: usize = 2;
 
 /// Random tangent vectors in addition to √(2d): their pairs are 4√(2d) equations more than unknowns.
 pub(super) const FURTHER_VECTORS: usize = 4;
@@ -25,15 +23,9 @@ pub(super) const FURTHER_VECTORS: usize = 4;
 pub(super) const DEGREE: u8 = 2;
 pub(super) const DOFS_OF_FIELD: std::ops::RangeInclusive<usize> = 2..=3;
 
-/// A change of a form is not a defect up to this many times what the errors of the Jacobian make of it. Derived: they are bounds.
-pub(super) const WITHIN_ERRORS: f64 = 1.0;
-
 /// Half the width of the interval in which a product of components lies at least, relative. Calibrated: the residual of stages that are
 /// solved to round-off makes as much, and no trial of a tangent map shows it.
 pub(super) const ROUNDING: f64 = 2e-13;
-
-/// A form that changes by less, relative to its largest entry, may be preserved. Calibrated: as the least defect of differences.
-pub(super) const LEAST_CHANGE: f64 = 1e-10;
 
 /// Rounds in which units are found in which all entries of the form are near 1. Derived: one repairs half of the decades.
 pub(super) const ROUNDS: usize = 6;
@@ -41,10 +33,8 @@ pub(super) const ROUNDS: usize = 6;
 /// Entries between this and its inverse are near 1.
 pub(super) const NEAR_ONE: f64 = 0.25;
 
-/// The smallest factor of a unit in one round.
-pub(super) const LEAST_FACTOR: f64 = 1e-6;
-
-/// A form is degenerate if its smallest singular value is this part of the largest one in those units.
+/// A form is degenerate if its smallest singular value is this part of the largest one in those units. It is also the smallest factor of a
+/// unit in one round.
 pub(super) const DEGENERATE: f64 = 1e-6;
 
 /// An entry that is not known to this part of itself is not named. Conventional: three digits.
@@ -76,14 +66,10 @@ pub(super) const COINCIDENCE_OF_MEAN: f64 = 1.5;
 pub(super) const FURTHER_DIGITS: f64 = 2.0;
 
 /// Digits to which a matrix may be rounded. Conventional: people choose numbers with fewer digits, and more digits look like all.
-pub(super) const FEWEST_DIGITS_OF_MATRIX: i32 = 2;
-pub(super) const MOST_DIGITS_OF_MATRIX: i32 = 11;
+pub(super) const DIGITS_OF_MATRIX: std::ops::RangeInclusive<i32> = 2..=11;
 
 /// Entries that are tried as units.
 pub(super) const MOST_UNITS: usize = 48;
-
-/// Loops that refine a form at most. Derived: as many as twelve weights need.
-pub(super) const MOST_REFINING: usize = 12;
 
 /// Added to the seed of the random loops of a diagnosis, for those that refine a form.
 pub(super) const SEED_OF_REFINING: u64 = 1 << 40;

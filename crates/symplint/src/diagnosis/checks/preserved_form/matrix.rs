@@ -1,6 +1,6 @@
 //! Whether the matrix of a linear map was rounded to few digits.
 
-use super::limits::{COINCIDENCE, FEWEST_DIGITS_OF_MATRIX, MOST_DIGITS_OF_MATRIX, ROUNDED_WITHIN};
+use super::limits::{COINCIDENCE, DIGITS_OF_MATRIX, ROUNDED_WITHIN};
 use crate::evidence::DigitsOfMatrix;
 use crate::jacobian::TangentImages;
 use crate::state::Coordinates;
@@ -23,9 +23,8 @@ pub(super) fn digits(
     };
     let matrix = in_coordinates(&columns.images);
     let errors = in_coordinates(&columns.errors);
-    let digits = FEWEST_DIGITS_OF_MATRIX..=MOST_DIGITS_OF_MATRIX;
-    let mut candidates =
-        digits.flat_map(|k| [DigitsOfMatrix::Decimals(k), DigitsOfMatrix::Significant(k)]);
+    let mut candidates = DIGITS_OF_MATRIX
+        .flat_map(|k| [DigitsOfMatrix::Decimals(k), DigitsOfMatrix::Significant(k)]);
     // Small entries next to large ones may be known to fewer digits than they have.
     let is_rounded = |of: &DigitsOfMatrix| {
         let (mut entries, mut resolved) = (0, 0);

@@ -11,8 +11,7 @@ mod rounded;
 use fit::{Entry, Fit, Term};
 use limits::{
     DOFS_OF_FIELD, FURTHER_VECTORS, LARGEST_ERROR, LARGEST_ERROR_OF_JACOBIAN, MOST_EVALUATIONS,
-    MOST_OF_ALL, MOST_OF_WEIGHTS, MOST_REFINING, MOST_SAMPLES, SEED_OF_REFINING, STATES,
-    STATES_OF_WEIGHTS,
+    MOST_OF_ALL, MOST_OF_WEIGHTS, MOST_SAMPLES, SEED_OF_REFINING, STATES,
 };
 use on_loops::AdvancedLoop;
 
@@ -154,7 +153,7 @@ impl Runner<'_> {
             false => {
                 images.clear();
                 let vectors = (2.0 * dof as f64).sqrt().ceil() as usize + FURTHER_VECTORS;
-                (STATES_OF_WEIGHTS, Some(vectors))
+                (STATES - 1, Some(vectors))
             }
         };
         let missing = states.saturating_sub(images.len());
@@ -196,7 +195,8 @@ impl Runner<'_> {
         entries: &[FormEntry],
     ) -> Result<Option<Vec<FormEntry>>, Error> {
         let coordinates = subject.coordinates();
-        let loops = entries.len().min(MOST_REFINING);
+        // As many as that number of weights needs.
+        let loops = entries.len().min(MOST_OF_ALL);
         // One entry alone has the unit of its group.
         if entries.len() < 2 || (loops + 2) * FEW_SAMPLES > self.count.left() {
             return Ok(None);

@@ -2,7 +2,7 @@
 
 use nalgebra::DMatrix;
 
-use super::limits::{LEAST_CHANGE, WITHIN_ERRORS};
+use crate::jacobian::JacobianMethod;
 use crate::signal::SIGNIFICANT;
 
 /// Linear equations Σ_k a_rk x_k = 0 with errors of their coefficients.
@@ -59,7 +59,7 @@ impl Equations {
             (matrix * &vector).amax() / vector.amax()
         };
         let dimension = (order.iter())
-            .take_while(|&&k| largest_of(&white, k) <= WITHIN_ERRORS)
+            .take_while(|&&k| largest_of(&white, k) <= 1.0)
             .count();
         let Some(&next) = order.get(dimension) else {
             return self.space(&vectors, &svd.singular_values, dimension);
@@ -67,7 +67,8 @@ impl Equations {
         if dimension == 0 {
             let bound = SIGNIFICANT * (rows as f64).sqrt();
             let residual = largest_of(&scaled, next);
-            return match svd.singular_values[next] > bound && residual > LEAST_CHANGE {
+            let least_change = JacobianMethod::CentralDifferences { rejected: None }.least_defect();
+            return match svd.singular_values[next] > bound && residual > least_change {
                 true => Solutions::None { residual },
                 false => Solutions::Open,
             };
@@ -108,7 +109,7 @@ impl Equations {
             let error = sum(&|k| {
                 self.errors[(r, k)] * unknowns[k].abs() + self.values[(r, k)].abs() * of_unknowns[k]
             });
-            residual.abs() <= WITHIN_ERRORS * error
+            residual.abs() <= error
         })
     }
 }
