@@ -3,10 +3,7 @@
 use crate::signal::noise::{BESIDE, MOST_OF_OTHERS};
 
 /// Spacings, in units of the direction; the largest reaches as far as the differences.
-const SPACINGS: [f64; 4] = [1.434e-5, 2.371e-4, 3.883e-3, 2.0e-2];
-
-/// Spacings of a noise stencil.
-pub(super) const LEVELS: usize = SPACINGS.len();
+pub(super) const SPACINGS: [f64; 4] = [1.434e-5, 2.371e-4, 3.883e-3, 2.0e-2];
 
 /// How far along the direction the states at a spacing are.
 pub(super) fn offsets(level: usize) -> impl Iterator<Item = f64> {
@@ -39,7 +36,7 @@ mod tests {
 
     fn shown(f: impl Fn(f64) -> f64) -> f64 {
         let mut noise = Noise::default();
-        for level in 0..LEVELS {
+        for level in 0..SPACINGS.len() {
             let at: Vec<f64> = offsets(level).collect();
             let differences = std::array::from_fn(|k| f(at[k]) - f(0.0));
             noise.add(&of_a_row(), differences);

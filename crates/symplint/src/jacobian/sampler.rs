@@ -149,7 +149,7 @@ impl<'a> Sampler<'a> {
         let points: Vec<usize> = (0..self.s.len()).collect();
         for batch in points.chunks(self.in_a_batch(1 + BESIDE.len())) {
             let mut unresolved = batch.to_vec();
-            for level in 0..noise::LEVELS {
+            for level in 0..noise::SPACINGS.len() {
                 let centre = (level == 0).then_some(0.0);
                 let offsets: Vec<f64> = centre.into_iter().chain(noise::offsets(level)).collect();
                 let at = |&point: &usize| TangentVector { point, direction };
@@ -173,7 +173,7 @@ impl<'a> Sampler<'a> {
                     let mut of_coordinates = found[point].iter().enumerate();
                     let resolved =
                         of_coordinates.all(|(c, noise)| noise.resolved || self.is_constant(c));
-                    level + 1 < noise::LEVELS && !resolved && self.draw(BESIDE.len())
+                    level + 1 < noise::SPACINGS.len() && !resolved && self.draw(BESIDE.len())
                 });
                 if unresolved.is_empty() {
                     break;
