@@ -341,8 +341,6 @@ impl Jump {
             }
         } else if stands_out(jump, sides) && (large || no_step) {
             Judgement::Break
-        } else if !large && self.bracket.is_little(jump) {
-            Judgement::Wrap
         } else if self.looks < LOOKS.len() {
             Judgement::LookAgain
         } else if large && flickers(jump, sides) {
@@ -388,8 +386,6 @@ fn project(direction: &[f64], state: &[f64], origin: &[f64], coordinates: &Coord
 /// The kind of a jump.
 pub(super) enum Judgement {
     Break,
-    /// A period, and none.
-    Wrap,
     /// It may be noise: more states tell.
     LookAgain,
     /// Rounding decides on which side of it the states next to it are: those further away show the side.

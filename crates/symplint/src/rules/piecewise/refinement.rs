@@ -361,7 +361,6 @@ impl<'a> Refinement<'a> {
                 let parts = [left, right].into_iter();
                 parts.filter(|part| part.b > part.a).collect()
             }
-            Judgement::Wrap => piece.cut(&jump.gap),
             Judgement::Noise | Judgement::LookAgain | Judgement::LookAround => {
                 let noise = jump.noise(self.coordinates).into_iter();
                 let allowance: Arc<[f64]> = noise.map(|noise| SAFETY * noise).collect();
