@@ -88,6 +88,14 @@ impl CallsError {
 
     /// The error of a file or folder that cannot be written.
     pub(crate) fn of_file(path: &Path, error: &impl ToString) -> Self {
-        Self::system(&format!("write {}", path.display()), error)
+        let action = format!("write {}", path.display());
+        // Somebody has tidied up.
+        match path.parent() {
+            Some(folder) if !folder.exists() => {
+                let reason = format!("{} was removed meanwhile", folder.display());
+                Self::system(&action, &reason)
+            }
+            _ => Self::system(&action, error),
+        }
     }
 }
