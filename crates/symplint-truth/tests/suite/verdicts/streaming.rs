@@ -127,7 +127,7 @@ fn samples_that_would_not_fit_are_streamed() {
 }
 
 #[test]
-fn what_memory_leaves_unresolved_is_streamed() {
+fn kinks_of_more_degrees_of_freedom_than_pieces_follow_have_all_samples_that_fit() {
     // More kinks than the piecewise rule may follow unasked.
     const DOF: usize = 1024;
     let phase_loop = circle(&[0.0; DOF], &[0.5; DOF], 1.0);
@@ -137,6 +137,9 @@ fn what_memory_leaves_unresolved_is_streamed() {
     };
     let diagnosis = diagnose(&at_one_step(SampleCount::Auto), &map, &phase_loop);
     let point = &diagnosis.points()[0];
-    assert_eq!((point.rule.name(), point.samples), ("streaming", 1 << 16));
+    assert_eq!(
+        (point.rule.name(), point.samples),
+        ("pseudospectral", 1 << 15)
+    );
     assert_eq!(diagnosis.verdict.kind, VerdictKind::Symplectic);
 }
