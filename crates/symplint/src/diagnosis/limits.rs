@@ -143,32 +143,12 @@ pub(super) const LARGEST_NOISE: f64 = 1e-5;
 
 // Features that samples do not resolve.
 
-/// Samples for each state at an irregular parameter: these states take at most 6% of the evaluations of a loop at the largest step
-/// size, and 3% of a diagnosis.
-pub(super) const IRREGULAR_PART: usize = 16;
-
-/// The most of them.
-pub(super) const MOST_IRREGULAR: usize = 256;
-
-/// Coordinates of samples that are interpolated at all of them together, at most: a tenth of a second.
-pub(super) const MOST_INTERPOLATED: usize = 1 << 23;
-
 /// A feature exceeds the median along the loop by this factor: the largest of 65,536 normally distributed values exceeds it by
 /// less than 7, and rounding, whose unit changes by factors of two along the loop, by as much again.
 pub(super) const FEATURE_OF_MEDIAN: f64 = 32.0;
 
 /// A feature exceeds the rounding of its coordinate by this factor.
 pub(super) const FEATURE_OF_ROUNDING: f64 = 256.0;
-
-/// States between samples are off by at most this many times the error of the integral if samples resolve the loop: an error that
-/// has one sign all along the loop is as large as the error of the integral, one in a hundredth of the loop a hundred times.
-pub(super) const FEATURE_OF_ERROR: f64 = 100.0;
-
-/// Samples on each side of a state that may be what puts the interpolant off there. Conventional: off by less than a fifth beyond.
-pub(super) const BESIDE_SAMPLES: usize = 2;
-
-/// Such a sample is off by this part of what the state is, at least. Derived: half of a sample is in the upper half of its modes.
-pub(super) const OF_A_MISS: f64 = 0.5;
 
 /// Features at which the Jacobian is tested, those of different loops first. Conventional.
 pub(super) const MOST_FEATURES: usize = 3;

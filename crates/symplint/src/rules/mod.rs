@@ -18,7 +18,7 @@ pub use defect::{Defect, logarithmic_defect};
 pub use finite_difference::{Cutoff, Cutoffs, OmittedCell};
 pub(crate) use piecewise::Identity;
 pub use piecewise::{Closure, Piecewise, PiecewiseIntegral};
-pub(crate) use pseudospectral::{misses, roughness};
+pub(crate) use pseudospectral::roughness;
 use sampled::SampledRule;
 pub(crate) use sampled::cells_apart;
 pub use streaming::{Streaming, StreamingIntegral};

@@ -1,33 +1,17 @@
 //! Features of the advanced loop that its samples do not resolve: a narrow strip of friction, say.
 //!
 //! The spectrum of a feature that a sample or two have met is as flat as the spectrum of noise, and its error estimate bounds nothing.
-//! But noise is everywhere along the loop, and a feature is at one place and continuous there. A feature that no sample has met is
-//! found, with luck, by states at irregular parameters that are not where the interpolant of the samples has them.
+//! But noise is everywhere along the loop, and a feature is at one place and continuous there.
 
 use super::refined_samples::RefinedSamples;
-use crate::diagnosis::limits::{
-    BESIDE_FEATURE, BESIDE_SAMPLES, FEATURE_OF_ERROR, FEATURE_OF_MEDIAN, FEATURE_OF_ROUNDING,
-    IRREGULAR_PART, MOST_INTERPOLATED, MOST_IRREGULAR, OF_A_MISS,
-};
+use crate::diagnosis::limits::{BESIDE_FEATURE, FEATURE_OF_MEDIAN, FEATURE_OF_ROUNDING};
 use crate::error::Error;
-use crate::rules::{Subject, misses, roughness};
-use crate::signal::{Extent, GOLDEN_RATIO, nearest};
+use crate::rules::{Subject, roughness};
+use crate::signal::{Extent, nearest};
 use crate::state::{Ensemble, coordinate, period};
-
-/// The largest number of evaluations that a search for features between samples takes for this number of samples.
-pub(in crate::diagnosis) fn cost(samples: usize, dof: usize) -> usize {
-    irregular(samples, dof) + AROUND
-}
 
 /// States that show whether a feature is continuous.
 pub(in crate::diagnosis) const AROUND: usize = 3;
-
-fn irregular(samples: usize, dof: usize) -> usize {
-    let affordable = MOST_INTERPOLATED / (2 * dof * samples).max(1);
-    (samples / IRREGULAR_PART)
-        .min(MOST_IRREGULAR)
-        .min(affordable)
-}
 
 /// The sample of the loop after a step of size `h` that has met a feature which samples do not resolve, as its parameter.
 ///
@@ -44,7 +28,7 @@ pub(in crate::diagnosis) fn feature_at_sample(
         return Ok(None);
     };
     let s = k as f64 / after.samples() as f64;
-    Ok(is_continuous(subject, h, (after, (after, k)), s, size)?.then_some(s))
+    Ok(is_continuous(subject, h, (after, k), s, size)?.then_some(s))
 }
 
 /// The parameter of the sample that is roughest after the step; 0 if none is.
@@ -55,42 +39,6 @@ pub(in crate::diagnosis) fn roughest_sample(
     let sizes = roughness(&refined.after, subject.coordinates());
     let largest = (0..sizes.len()).max_by(|&a, &b| sizes[a].total_cmp(&sizes[b]));
     largest.map_or(0.0, |k| k as f64 / sizes.len() as f64)
-}
-
-/// The place of a feature between the samples of the loop after a step of size `h`: states there are further off than the `error`
-/// explains.
-///
-/// # Errors
-/// Those of the map.
-pub(in crate::diagnosis) fn feature_between_samples(
-    subject: Subject<'_>,
-    refined: &RefinedSamples<'_>,
-    h: f64,
-    error: f64,
-) -> Result<Option<f64>, Error> {
-    let (after, coordinates) = (&refined.after, subject.coordinates());
-    let states = irregular(after.samples(), after.dof());
-    let s: Vec<f64> = (0..states).map(parameter).collect();
-    if s.is_empty() {
-        return Ok(None);
-    }
-    let between = subject.evaluator.image(subject.phase_loop, h, &s)?;
-    let least = rounding(after).max(FEATURE_OF_ERROR * error);
-    let missed = misses(after, coordinates, &between, &s);
-    let Some((j, size)) = outstanding(&missed, least) else {
-        return Ok(None);
-    };
-    // The interpolant is off next to a sample that is off, and the state between is not.
-    let count = after.samples();
-    let sizes = roughness(after, coordinates);
-    let closest = (s[j] * count as f64).round() as usize;
-    let beside = (0..=2 * BESIDE_SAMPLES).map(|k| (closest + count - BESIDE_SAMPLES + k) % count);
-    let roughest = beside.max_by(|&a, &b| sizes[a].total_cmp(&sizes[b]));
-    let (s, place, size) = match roughest {
-        Some(k) if sizes[k] > OF_A_MISS * size => (k as f64 / count as f64, (after, k), sizes[k]),
-        _ => (s[j], (&between, j), size),
-    };
-    Ok(is_continuous(subject, h, (after, place), s, size)?.then_some(s))
 }
 
 /// The largest of some sizes, if it is more than `least` and there are few others like it.
@@ -115,32 +63,26 @@ fn rounding(after: &Ensemble) -> f64 {
     FEATURE_OF_ROUNDING * f64::EPSILON * largest
 }
 
-/// Whether a state of the advanced loop, at `s`, that is off by this part of the size of its coordinate is the same when it is
+/// Whether a sample of the advanced loop, at `s`, that is off by this part of the size of its coordinate is the same when it is
 /// advanced again, and has neighbours that are off as well.
 fn is_continuous(
     subject: Subject<'_>,
     h: f64,
-    (after, place): (&Ensemble, (&Ensemble, usize)),
+    (after, sample): (&Ensemble, usize),
     s: f64,
     size: f64,
 ) -> Result<bool, Error> {
     let around: [f64; AROUND] = [-1.0, 0.0, 1.0].map(|k| (s + k * BESIDE_FEATURE).rem_euclid(1.0));
     let again = subject.evaluator.image(subject.phase_loop, h, &around)?;
-    let (states, index) = place;
     let is_smooth = |c: usize| {
         let (row, period) = (coordinate(&again, c), period(subject.coordinates(), c));
         let from = |x: f64, origin: f64| nearest(x - origin, period);
         let bend = from(row[0], row[1]) + from(row[2], row[1]);
-        let off = from(row[1], coordinate(states, c)[index]);
+        let off = from(row[1], coordinate(after, c)[sample]);
         let size = 0.5 * size * Extent::of(coordinate(after, c)).length();
         bend.abs() <= size && off.abs() <= 0.5 * size
     };
     Ok((0..2 * again.dof()).all(is_smooth))
-}
-
-/// Parameters of irregular states: others than those of the Jacobian.
-fn parameter(j: usize) -> f64 {
-    (0.31 + j as f64 * GOLDEN_RATIO).fract()
 }
 
 #[cfg(test)]
@@ -149,11 +91,8 @@ mod tests {
     use crate::loops::Circle;
     use crate::map::{EvaluationCount, Evaluator, PerSample};
 
-    /// The features that 256 samples of a circle show at a sample and between samples, if its momenta are off by this after a step.
-    fn found(
-        off: impl Fn(f64) -> f64 + Send + Sync + 'static,
-        error: f64,
-    ) -> (Option<f64>, Option<f64>) {
+    /// The feature that 256 samples of a circle show, if its momenta are off by this after a step.
+    fn found(off: impl Fn(f64) -> f64 + Send + Sync + 'static) -> Option<f64> {
         let map = PerSample::new(1, move |_, q: &mut [f64], p: &mut [f64]| p[0] += off(q[0]));
         let count = EvaluationCount::unlimited();
         let evaluator = Evaluator::new(&map, &count).unwrap();
@@ -163,10 +102,7 @@ mod tests {
             phase_loop: &circle,
         };
         let refined = RefinedSamples::new(subject, 256, 0.5).unwrap();
-        (
-            feature_at_sample(subject, &refined, 0.5).unwrap(),
-            feature_between_samples(subject, &refined, 0.5, error).unwrap(),
-        )
+        feature_at_sample(subject, &refined, 0.5).unwrap()
     }
 
     #[test]
@@ -174,7 +110,7 @@ mod tests {
         // The sample at s = 1/8, and at 3/8 on the other side.
         let q = std::f64::consts::FRAC_1_SQRT_2;
         let strip = move |x: f64| 1e-3 * (-((x - q) / 1e-3).powi(2)).exp();
-        let (at, _) = found(strip, 0.0);
+        let at = found(strip);
         assert!(at == Some(0.125) || at == Some(0.375), "{at:?}");
     }
 
@@ -182,7 +118,7 @@ mod tests {
     fn one_state_that_is_off_is_no_feature() {
         let q = (std::f64::consts::TAU / 8.0).sin();
         let off = move |x: f64| if x == q { 1e-3 } else { 0.0 };
-        assert_eq!(found(off, 0.0), (None, None));
-        assert_eq!(found(|x| 0.1 * x.sin(), 1e-14), (None, None));
+        assert_eq!(found(off), None);
+        assert_eq!(found(|x| 0.1 * x.sin()), None);
     }
 }

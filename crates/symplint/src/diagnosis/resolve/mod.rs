@@ -18,7 +18,7 @@ use crate::loops::{FEW_SAMPLES, MOST_SAMPLES};
 use crate::rules::{LoopAfterStep, Piecewise, Rule, Subject};
 use crate::state::Ensemble;
 use convergence::{Convergence, wanted};
-use features::{feature_at_sample, feature_between_samples};
+use features::feature_at_sample;
 use initial_samples::InitialSamples;
 use probe::{Probe, StepMeasurement};
 use refined_samples::{RefinedSamples, coarse};
@@ -164,10 +164,6 @@ impl Diagnostic {
                 let mut feature = None;
                 if !standing.enough && has_left(features::AROUND) {
                     feature = feature_at_sample(subject, refined, h)?;
-                }
-                if settled && feature.is_none() && has_left(features::cost(samples, subject.dof()))
-                {
-                    feature = feature_between_samples(subject, refined, h, error)?;
                 }
                 if let Some(s) = feature {
                     return self.around_feature(probe, refined, with, start, s);

@@ -25,7 +25,7 @@ use symplint_fft::Complex64;
 use super::{RowIntegral, banded, least};
 use crate::signal::{UNIT_ROUNDOFF, largest, unwrap_row, wraps};
 use crate::state::{Coordinates, Rows, in_parallel};
-pub(crate) use interpolant::{misses, roughness};
+pub(crate) use interpolant::roughness;
 use regularity::sobolev_exponent;
 use row::{Scaling, pack};
 use sums::{Sums, fold, value};
