@@ -134,6 +134,10 @@ pub(super) const ENOUGH: f64 = 1e-14;
 /// kinked ones 4 or more, jumps 2, noise of the states √2.
 pub(super) const STALLED: f64 = 1.7;
 
+/// Twice the samples that gain less than this factor may have met a feature with one sample: between the 2 of its part of the sum
+/// and the 4 of kinks.
+pub(super) const OF_SPIKES: f64 = 3.0;
+
 /// An estimate of the quadrature error that is at most this multiple of what rounding of the samples makes of an
 /// integral is of rounding alone. Calibrated: pendula in single precision and with three to nine decimals have 0.3 to 3.
 pub(super) const OF_ROUNDING: f64 = 8.0;

@@ -1,6 +1,6 @@
 //! When twice the samples are not worth it.
 
-use crate::diagnosis::limits::{ENOUGH, LARGEST_NOISE, OF_ROUNDING, STALLED};
+use crate::diagnosis::limits::{ENOUGH, LARGEST_NOISE, OF_ROUNDING, OF_SPIKES, STALLED};
 use crate::evidence::MOST_CELLS_APART;
 use crate::rules::LoopAfterStep;
 
@@ -20,6 +20,8 @@ pub(in crate::diagnosis) struct ConvergenceState {
     pub enough: bool,
     /// Whether there is noise, which more samples do not reduce.
     pub stalled: bool,
+    /// Whether the last doubling reduced it by no more than at a spike of one sample, whose part of a sum halves.
+    pub may_be_spike: bool,
     /// Whether samples as many as these resolve the grid of the map.
     pub resolves_grid: bool,
 }
@@ -45,6 +47,7 @@ impl Convergence {
             Some(_) => (f64::INFINITY, 1),
             None => (LARGEST_NOISE, 2),
         };
+        let may_be_spike = error * OF_SPIKES >= self.last_error;
         self.stalls = match error <= noise && error * STALLED >= self.last_error {
             true => self.stalls + 1,
             false => 0,
@@ -57,6 +60,7 @@ impl Convergence {
             wanted,
             enough: error <= wanted,
             stalled: self.stalls >= most_stalls,
+            may_be_spike,
             resolves_grid: advanced.cells_apart <= MOST_CELLS_APART,
         }
     }

@@ -16,6 +16,7 @@ use crate::diagnosis::{Diagnostic, SampleCount};
 use crate::error::Error;
 use crate::loops::{FEW_SAMPLES, MOST_SAMPLES};
 use crate::rules::{LoopAfterStep, Piecewise, Rule, Subject};
+use crate::signal::SIGNIFICANT;
 use crate::state::Ensemble;
 use convergence::{Convergence, wanted};
 use features::feature_at_sample;
@@ -162,7 +163,7 @@ impl Diagnostic {
                     return Ok(probe);
                 }
                 let mut feature = None;
-                if !standing.enough && has_left(features::AROUND) {
+                if standing.may_be_spike && !standing.enough && has_left(features::AROUND) {
                     feature = feature_at_sample(subject, refined, h)?;
                 }
                 if let Some(s) = feature {
@@ -236,8 +237,8 @@ impl Diagnostic {
             .map(Some)
     }
 
-    /// The piecewise rule, cut at a feature that samples do not resolve. Without evaluations for pieces, the error of the samples is not
-    /// known.
+    /// The piecewise rule, cut at a feature that samples do not resolve; or the samples, if both agree to an error that is as small.
+    /// Without evaluations for pieces, the error of the samples is not known.
     fn around_feature<'a>(
         &self,
         probe: Probe<'a>,
@@ -246,9 +247,26 @@ impl Diagnostic {
         start: usize,
         s: f64,
     ) -> Result<Probe<'a>, Error> {
-        probe.subject.evaluator.note_feature(s, with.h);
-        let pieces = self.tried(probe.subject, refined, with, start)?;
-        Ok(pieces.map_or_else(|| probe.without_error(with.h), |(pieces, _)| pieces))
+        let subject = probe.subject;
+        subject.evaluator.note_feature(s, with.h);
+        let error = match self.tried(subject, refined, with, start)? {
+            None => None,
+            Some((pieces, of_pieces)) => {
+                let known = probe
+                    .known(with.h)
+                    .map(|known| known.advanced.defect.uncertainty());
+                let error = of_pieces + apart(&pieces, &probe, with.h);
+                // If both agree as well as the samples are known, the feature is a small one, such as a jump that is too small to
+                // break the loop.
+                let is_better =
+                    |known: f64| error > SIGNIFICANT * known || SIGNIFICANT * of_pieces < known;
+                if known.is_none_or(is_better) {
+                    return Ok(pieces);
+                }
+                Some(error)
+            }
+        };
+        Ok(probe.known_to(error, with.h))
     }
 
     /// The piecewise rule within the means of automatic choices.

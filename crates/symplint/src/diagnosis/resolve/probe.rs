@@ -71,11 +71,19 @@ impl<'a> Probe<'a> {
         self
     }
 
-    /// Without a known quadrature error of the step of size `h`.
-    pub fn without_error(mut self, h: f64) -> Self {
+    /// With a quadrature error of the step of size `h` that is at least this part of the initial integral; not known without one.
+    pub fn known_to(mut self, error: Option<f64>, h: f64) -> Self {
+        let size = self.initial.value.abs();
         if let Some(known) = self.known.as_mut().filter(|known| known.h == h) {
-            known.advanced.defect.quadrature_error = None;
-            known.advanced.integral.quadrature_error = None;
+            let at_least = |known: Option<f64>, error: Option<f64>| {
+                known.zip(error).map(|(known, error)| known.max(error))
+            };
+            let LoopAfterStep {
+                integral, defect, ..
+            } = &mut known.advanced;
+            defect.quadrature_error = at_least(defect.quadrature_error, error);
+            integral.quadrature_error =
+                at_least(integral.quadrature_error, error.map(|error| error * size));
         }
         self
     }
