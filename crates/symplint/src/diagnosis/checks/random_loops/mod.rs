@@ -13,7 +13,7 @@ use crate::diagnosis::resolve::Resolution;
 use crate::diagnosis::resolve::initial_samples::InitialSamples;
 use crate::diagnosis::resolve::probe::{Probe, StepMeasurement};
 use crate::error::Error;
-use crate::evidence::{Check, DofGroup, LoopEvidence, LoopKind, Motion, Sweep, Why};
+use crate::evidence::{Check, DofGroup, LoopEvidence, LoopKind, Motion, StepEvidence, Sweep, Why};
 use crate::loops::FourierLoop;
 use crate::map::{ImageLoop, LoopSize};
 use crate::rules::Subject;
@@ -184,6 +184,10 @@ impl Runner<'_> {
         let (given, random) = self.evidence.loops.split_at(1);
         let known = given[0].is_broken() || random.iter().any(LoopEvidence::shows_defect);
         match self.random_loop(other, subject, known) {
+            Ok(()) if self.is_unresolved() => {
+                self.evidence.loops.pop();
+                return Ok(false);
+            }
             Ok(()) => {}
             Err(Error::BudgetSpent { .. }) => return Ok(false),
             // A random loop may leave the map's domain.
@@ -197,6 +201,18 @@ impl Runner<'_> {
             Err(error) => return Err(error),
         }
         Ok(true)
+    }
+
+    /// Whether a tight budget was spent before the last loop was resolved as the given one was: it does not count as evidence.
+    fn is_unresolved(&self) -> bool {
+        let (given, random) = (&self.evidence.loops[0], self.evidence.loops.last());
+        let says_more = |step: &StepEvidence| {
+            step.jump.is_some() || step.is_unexplained() || step.misses_the_grid()
+        };
+        let weak = |found: &LoopEvidence| {
+            found.weak_step().is_some() && !found.steps.iter().any(says_more)
+        };
+        self.plan.is_tight() && given.is_bounded() && random.is_some_and(weak)
     }
 
     /// Whether further loops cannot change the verdict any more: the given loop breaks, or, in a tight budget, it and
