@@ -6,14 +6,14 @@ use std::sync::Arc;
 
 use multiversion::multiversion;
 
-use super::fit::{Fit, ends_of_tail, fit};
+use super::fit::{Fit, ends_of_tail, fit, turning_point};
 use super::jump::Jump;
 use super::limits::{
-    AND_MOTION, AS_GOOD, CHECKS, DECAYS, EXPLAINS, FULL, KINK_SAFETY, NOISES, SAFETY, SMOOTH,
-    TERMS, VANISHES,
+    AND_MOTION, AS_GOOD, CHECKS, DECAYS, EXPLAINS, FULL, KINK_SAFETY, MOST_TURNING_POINTS, NOISES,
+    ROUNDING, SAFETY, SAME_TURNING_POINT, SMOOTH, TERMS, VANISHES,
 };
 use super::lobatto::{
-    DEGREE, LOBATTO, NODES, POINTS, Values, explained, largest, polynomial, tail_squared,
+    DEGREE, LOBATTO, NODES, POINTS, Values, evaluate, explained, largest, polynomial, tail_squared,
 };
 use super::piece::{Piece, Smooth};
 use super::samples::{missed, missed_sample};
@@ -23,8 +23,8 @@ use crate::state::{Coordinates, Ensemble, period};
 
 /// The kind of a piece.
 pub(super) enum Finding {
-    /// Its interpolants are as good as wanted.
-    Smooth,
+    /// Its interpolants are as good as wanted, if the states at turning points of positions agree.
+    Smooth(TurningPoints),
     /// They are not, and it is too short to be cut.
     TooShort,
     /// It jumps in this bracket.
@@ -42,6 +42,16 @@ pub(super) enum Why {
     Steep,
     /// Nothing explains its highest coefficients.
     Unexplained,
+}
+
+/// Turning points of positions on a piece: there a particle may graze a threshold at which the force jumps, between
+/// two nodes. Without them, the loops of ECSIM with shapes of degree 1 are not closed (docs/census.md).
+#[derive(Default)]
+pub(super) struct TurningPoints {
+    /// Each with what the coordinates should be there.
+    pub expected: Vec<(f64, Vec<f64>)>,
+    /// How far off they may be.
+    pub allowed: Vec<f64>,
 }
 
 /// A piece, and what it is measured by.
@@ -219,7 +229,7 @@ impl<'a> View<'a> {
     fn examine(&self, are_good: bool) -> Option<Finding> {
         let missed = if are_good { missed_sample(self) } else { None };
         if are_good && missed.is_none() {
-            return Some(Finding::Smooth);
+            return Some(Finding::Smooth(self.turning_points()));
         }
         if self.piece.level < FULL {
             return None;
@@ -301,6 +311,59 @@ impl<'a> View<'a> {
             false => smooth.missed = missed(self),
         }
         smooth
+    }
+
+    /// Turning points of a position at the beginning of any substep or at the end.
+    fn turning_points(&self) -> TurningPoints {
+        if self.piece.is_short() {
+            return TurningPoints::default();
+        }
+        let last = self.piece.image(0).stages() - 1;
+        let stages: Vec<StageStates<'_>> = (0..last).map(|k| self.stage(k)).collect();
+        let after = self.stage(last);
+        let positions = 0..self.dof();
+        let mut tiles: Vec<_> = (stages.iter().map(|of| of.tiles(positions.clone()))).collect();
+        let mut points = Vec::new();
+        for i in positions {
+            // What rests has none, but for rounding.
+            let moves = |fit: &Fit| fit.range > ROUNDING * self.scales.magnitude[i];
+            let turns = |values: &Values| LOBATTO.turns(values, self.piece.level);
+            let mut add = |fit: &Fit| {
+                if moves(fit) {
+                    points.extend(turning_point(fit));
+                }
+            };
+            for before in tiles.iter_mut().filter_map(Iterator::next) {
+                let nodes: &Values = before.first_chunk().expect("nodes come first");
+                if turns(nodes) {
+                    add(&self.fit(&before));
+                }
+                // A step that is one whole evaluates its force somewhere in between.
+                let between = |k: usize| 0.5 * (nodes[k] + self.fits[i].values[k]);
+                if stages.len() == 1 && turns(&std::array::from_fn(between)) {
+                    let after = after.values(i);
+                    let middle = std::array::from_fn(|k| 0.5 * (before[k] + after[k]));
+                    add(&self.fit(&middle));
+                }
+            }
+            if turns(&self.fits[i].values) {
+                add(&self.fits[i]);
+            }
+        }
+        points.sort_by(f64::total_cmp);
+        points.dedup_by(|a, b| (*a - *b).abs() < SAME_TURNING_POINT);
+        let every = points.len().div_ceil(MOST_TURNING_POINTS).max(1);
+        let fits = || self.fits.iter();
+        let expected = points.into_iter().step_by(every).map(|x| {
+            let values = fits().map(|fit| evaluate(&fit.coefficients, x));
+            (self.piece.s(x), values.collect())
+        });
+        TurningPoints {
+            expected: expected.collect(),
+            allowed: (fits().enumerate())
+                .map(|(c, fit)| self.allowed(c, fit))
+                .collect(),
+        }
     }
 
     /// The gap between two nodes in which one break explains the coefficients best.

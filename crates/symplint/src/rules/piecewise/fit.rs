@@ -3,7 +3,9 @@
 use multiversion::multiversion;
 
 use super::limits::{CHECKS, DECAYS, DEGREES, FULL, OF_A_CHECK, OF_A_JUMP, SMOOTH};
-use super::lobatto::{DEGREE, LOBATTO, NODES, POINTS, Values, tail_squared};
+use super::lobatto::{
+    DEGREE, LOBATTO, NODES, POINTS, Values, derivative, evaluate, evaluate_each, tail_squared,
+};
 use crate::signal::Extent;
 
 /// The interpolant of one coordinate on a piece.
@@ -83,4 +85,23 @@ pub(super) fn ends_of_tail(coefficients: &Values) -> [f64; 2] {
 fn decays(coefficients: &Values) -> bool {
     let [early, late] = ends_of_tail(coefficients);
     late < DECAYS * early
+}
+
+/// The turning point of the interpolant, if it has one.
+pub(super) fn turning_point(fit: &Fit) -> Option<f64> {
+    let slopes = derivative(&fit.coefficients);
+    let (mut low, mut high) = (-1.0, 1.0);
+    let [rising, to_rise] = evaluate_each(&slopes, &[low, high]).map(|slope| slope > 0.0);
+    if rising == to_rise {
+        return None;
+    }
+    for _ in 0..40 {
+        let middle = 0.5 * (low + high);
+        if (evaluate(&slopes, middle) > 0.0) == rising {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    Some(0.5 * (low + high))
 }

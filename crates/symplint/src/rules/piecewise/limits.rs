@@ -71,6 +71,12 @@ pub(super) const AND_MOTION: f64 = 1.1;
 /// An interpolant may be off at other points by this many times what its own estimate allows.
 pub(super) const ELSEWHERE: f64 = 2.0;
 
+/// Turning points looked at in one piece at most.
+pub(super) const MOST_TURNING_POINTS: usize = 64;
+
+/// Turning points no further apart than this part of half a piece are one.
+pub(super) const SAME_TURNING_POINT: f64 = 1e-6;
+
 /// Rounding of a few operations.
 pub(super) const ROUNDING: f64 = 16.0 * f64::EPSILON;
 

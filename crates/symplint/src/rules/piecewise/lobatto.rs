@@ -35,6 +35,8 @@ pub(super) struct Lobatto {
     transforms: [Columns; DEGREES.len()],
     /// For each level, the interpolant at all points from its values at the nodes of the level.
     at_points: [Columns; DEGREES.len()],
+    /// For each level, the slopes of the interpolant at −1 and at 1 from values at the nodes.
+    slopes: [[Values; 2]; DEGREES.len()],
     /// ∫ P Q' = Σ p_j area_jk q_k for the interpolants of p and q.
     area: Columns,
     /// A break between nodes i and i + 1.
@@ -109,6 +111,11 @@ impl Lobatto {
             }
             column
         });
+        let slopes = transforms.each_ref().map(|rows: &[Values; NODES]| {
+            let of_node = |j: usize| derivative(&rows.map(|row| row[j]));
+            let slopes: [Values; NODES] = std::array::from_fn(of_node);
+            [-1.0, 1.0].map(|end| slopes.map(|slopes| evaluate(&slopes, end)))
+        });
         let at_points = transforms.each_ref().map(|rows: &[Values; NODES]| {
             std::array::from_fn(|j| {
                 let of_node = rows.map(|row| row[j]);
@@ -121,6 +128,7 @@ impl Lobatto {
         });
         Lobatto {
             nodes,
+            slopes,
             at_points,
             transforms: transforms.map(|rows| columns(&rows)),
             area: columns(&area),
@@ -139,6 +147,12 @@ impl Lobatto {
     #[inline(always)]
     pub fn interpolate(&self, values: &Values, level: usize) -> [f64; POINTS] {
         *first_of(&times(&self.at_points[level], values))
+    }
+
+    /// Whether the interpolant of the nodes of a level rises at one end and falls at the other.
+    pub fn turns(&self, values: &Values, level: usize) -> bool {
+        let [low, high] = self.slopes[level].each_ref();
+        (dot(low, values) > 0.0) != (dot(high, values) > 0.0)
     }
 
     /// ∫ P dQ over the piece, whatever its length.
@@ -387,6 +401,21 @@ mod tests {
         for step in -10..=10 {
             let x = f64::from(step) / 10.0;
             assert!((evaluate(&slopes, x) - 2.0 * (2.0 * x).cos() - 1.0).abs() < 1e-6);
+        }
+    }
+
+    #[test]
+    fn interpolants_turn_between_slopes_of_different_signs() {
+        for level in 0..DEGREES.len() {
+            for step in -9..=9 {
+                let turning = f64::from(step) / 6.0 + 0.01;
+                let parabola = values(|x| 3.0 - (x - turning).powi(2));
+                assert_eq!(
+                    LOBATTO.turns(&parabola, level),
+                    turning.abs() < 1.0,
+                    "{turning}"
+                );
+            }
         }
     }
 

@@ -96,7 +96,7 @@ pub struct Piecewise {
     /// How breaks are closed.
     pub closure: Closure,
     /// Pieces to begin with, or as many as can be evaluated. Features between the states of a piece that looks smooth
-    /// are not resolved.
+    /// are not resolved, unless a position has a turning point there.
     pub pieces: usize,
     /// States to be advanced at most, 15 or more; what is not resolved by then is reported, and its error is an
     /// estimate that covers it.

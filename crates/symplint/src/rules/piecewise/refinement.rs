@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use super::curves::{CurvePoint, Curves, PointImage};
-use super::examine::{Finding, View, Why};
+use super::examine::{Finding, TurningPoints, View, Why};
 use super::jump::{Judgement, Jump};
-use super::limits::{LARGE, NOISE_LENGTH, SAFETY, SMALL};
+use super::limits::{ELSEWHERE, LARGE, NOISE_LENGTH, SAFETY, SMALL};
 use super::lobatto::DEGREE;
 use super::noise;
 use super::piece::{Piece, Smooth};
@@ -307,6 +307,9 @@ impl<'a> Refinement<'a> {
                 jump.look(images, self.coordinates);
                 self.confirm(jump)
             }
+            Task::CheckTurningPoints(piece, smooth, turning) => {
+                self.check_turning_points(*piece, *smooth, &turning, images)
+            }
             Task::EstimateNoise(piece) => self.explain_by_noise(piece, images),
         }
     }
@@ -394,7 +397,15 @@ impl<'a> Refinement<'a> {
             return Outcome::then(vec![Task::Look(next)], Unchanged::Piece(piece));
         };
         match finding {
-            Finding::Smooth => Outcome::done(view.integrate(true)),
+            Finding::Smooth(turning) => {
+                let smooth = view.integrate(true);
+                if turning.expected.is_empty() {
+                    return Outcome::done(smooth);
+                }
+                let unchanged = Unchanged::Smooth(smooth.clone());
+                let task = Task::CheckTurningPoints(piece, Box::new(smooth), turning);
+                Outcome::then(vec![task], unchanged)
+            }
             Finding::TooShort => Outcome::done(view.integrate(false)),
             Finding::Jump(jump) => Outcome::then(vec![Task::Halve(jump)], Unchanged::Piece(piece)),
             Finding::Cut { at, why } => {
@@ -420,5 +431,26 @@ impl<'a> Refinement<'a> {
         let mut next = piece.clone();
         next.noise = Some(allowance.into());
         Outcome::then(vec![Task::Look(next)], Unchanged::Piece(piece))
+    }
+
+    /// Accepts a piece if its turning points are where the interpolant has them; else cuts it there.
+    fn check_turning_points(
+        &self,
+        piece: Piece,
+        smooth: Smooth,
+        turning: &TurningPoints,
+        images: &[PointImage],
+    ) -> Outcome {
+        for ((s, expected), image) in turning.expected.iter().zip(images) {
+            let misses = expected.iter().enumerate().any(|(c, expected)| {
+                let value = image.after()[c];
+                let off = nearest(value - expected, period(self.coordinates, c));
+                off.abs() > ELSEWHERE * turning.allowed[c]
+            });
+            if misses {
+                return Outcome::then(looks(piece.cut(&[*s])), Unchanged::Smooth(smooth));
+            }
+        }
+        Outcome::done(smooth)
     }
 }

@@ -1,6 +1,7 @@
 //! Tasks for a stretch of a curve, and their costs.
 
 use super::curves::CurvePoint;
+use super::examine::TurningPoints;
 use super::jump::Jump;
 use super::noise;
 use super::piece::{Piece, Smooth};
@@ -23,6 +24,8 @@ pub(super) enum Task {
     Halve(Box<Jump>),
     /// Tell a jump that no double lies in from the noise on both sides of it.
     Confirm(Box<Jump>),
+    /// Compare a piece that looks smooth with its states at turning points of positions.
+    CheckTurningPoints(Box<Piece>, Box<Smooth>, TurningPoints),
     /// Estimate the noise of a very short stretch that nothing explains.
     EstimateNoise(Box<Piece>),
 }
@@ -58,6 +61,11 @@ impl Task {
             Task::Look(piece) => piece.missing_points().collect(),
             Task::Halve(jump) => vec![CurvePoint::on(jump.piece.curve, jump.bracket.middle())],
             Task::Confirm(jump) => jump.surroundings().collect(),
+            Task::CheckTurningPoints(piece, _, turning) => {
+                let curve = piece.curve;
+                let points = turning.expected.iter();
+                points.map(|&(s, _)| CurvePoint::on(curve, s)).collect()
+            }
             Task::EstimateNoise(piece) => noise::points(piece.curve, [piece.a, piece.b]).collect(),
         }
     }
@@ -68,6 +76,7 @@ impl Task {
             Task::Look(piece) => piece.missing().count(),
             Task::Halve(_) => 1,
             Task::Confirm(jump) => jump.missing(),
+            Task::CheckTurningPoints(_, _, turning) => turning.expected.len(),
             Task::EstimateNoise(_) => noise::STATES,
         }
     }
