@@ -89,7 +89,7 @@ impl CallsError {
     /// The error of a file or folder that cannot be written.
     pub(crate) fn of_file(path: &Path, error: &impl ToString) -> Self {
         let action = format!("write {}", path.display());
-        // Somebody has tidied up.
+        // The folder of the calls was there before.
         match path.parent() {
             Some(folder) if !folder.exists() => {
                 let reason = format!("{} was removed meanwhile", folder.display());

@@ -71,7 +71,9 @@ impl Workspace {
     /// # Errors
     /// If it cannot be made.
     pub fn folder_of_call(&self) -> Result<CallFolder, CallsError> {
-        let refused = |folder: &Path, error: io::Error| CallsError::of_file(folder, &error);
+        let refused = |folder: &Path, error: io::Error| {
+            CallsError::system(&format!("write {}", folder.display()), &error)
+        };
         let (root, kept) = match &self.kept {
             Some((path, _)) => {
                 fs::create_dir_all(path).map_err(|error| refused(path, error))?;
@@ -90,7 +92,7 @@ impl Workspace {
                 Ok(()) => return Ok(CallFolder { path, kept }),
                 // Jobs of the same run keep their calls in one folder.
                 Err(error) if kept && error.kind() == io::ErrorKind::AlreadyExists => {}
-                Err(error) => return Err(refused(&path, error)),
+                Err(error) => return Err(CallsError::of_file(&path, &error)),
             }
         }
     }

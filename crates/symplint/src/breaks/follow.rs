@@ -201,13 +201,17 @@ impl Gap<'_> {
         let Stretch {
             evaluator, suspect, ..
         } = self.stretch;
-        if evaluator.count().left() < self.ends.len() {
+        if evaluator.is_noisy() || evaluator.count().left() < self.ends.len() {
             return Ok(());
         }
-        let again = self.stretch.image(&self.ends.map(|end| end.s))?;
-        for (first, again) in self.ends.iter().zip(again) {
-            evaluator.compare(suspect.dof, [first.q, again.q]);
-            evaluator.compare(evaluator.dof() + suspect.dof, [first.p, again.p]);
+        for first in &self.ends {
+            // Alone, as the middles of brackets were.
+            let again = self.stretch.image(&[first.s])?[0];
+            let (c, results) = match suspect.coordinate {
+                Coordinate::Q => (suspect.dof, [first.q, again.q]),
+                Coordinate::P => (evaluator.dof() + suspect.dof, [first.p, again.p]),
+            };
+            evaluator.compare(c, results, self.jump);
         }
         Ok(())
     }

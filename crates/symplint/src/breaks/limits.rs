@@ -19,9 +19,9 @@ pub(super) const ROUNDINGS: f64 = 32.0;
 /// Suspected jumps of a loop that are followed.
 pub(super) const MOST_SUSPECTS: usize = 4;
 
-/// Evaluations that following one may take: 6 samples around it, fewer than 54 halvings, those next to it, and both ends
-/// displaced.
-pub(super) const OF_A_SUSPECT: usize = 6 + 54 + 2 * CONFIRMING;
+/// Evaluations that following one may take: 6 samples around it, fewer than 54 halvings, those next to it, both ends displaced, and both
+/// once more.
+pub(super) const OF_A_SUSPECT: usize = 6 + 54 + 2 * CONFIRMING + 2;
 
 /// The step that two smooth sides leave between them keeps its size as the map is evaluated more closely: what is
 /// smaller than this part of what was expected is not a step.

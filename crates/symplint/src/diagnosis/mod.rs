@@ -22,7 +22,7 @@ use crate::rules::{Piecewise, Rule, Streaming};
 /// How many samples a loop gets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SampleCount {
-    /// Doubled from 4096/d, at least 64, until the quadrature error of the largest step reaches round-off, stops
+    /// Doubled from 2048/d, at least 64, until the quadrature error of the largest step reaches round-off, stops
     /// falling, or the ensemble reaches its limit (65,536 samples or 512 MiB, before and after the step; by
     /// the streaming rule 2^30 coordinates to be advanced).
     Auto,

@@ -118,7 +118,7 @@ pub enum ScatterKind {
     /// Noise: parallel sums, or a solver that starts at random.
     #[default]
     Noise,
-    /// Noise that is larger than rounding in single precision: random numbers.
+    /// Noise that is larger than rounding in single precision: random numbers, or something kept from earlier calls.
     RandomNumbers,
 }
 

@@ -131,13 +131,18 @@ impl Evaluator<'_> {
         self.notes.noise.get()
     }
 
-    /// Compares two results for one state in a coordinate, and takes note if they differ by more than rounding.
-    pub fn compare(&self, c: usize, [first, again]: [f64; 2]) {
+    /// Whether one result for a state may be another the next time, as far as is known: then an end of a break may land on either side.
+    pub fn is_noisy(&self) -> bool {
+        self.rounding_inside().is_some() || self.noise().is_some()
+    }
+
+    /// Compares two results for a state at an end of a `jump` of a coordinate: takes note if they differ by half of it or more, and by
+    /// more than rounding.
+    pub fn compare(&self, c: usize, [first, again]: [f64; 2], jump: f64) {
         let size = nearest(again - first, period(self.coordinates(), c)).abs();
         let single = ROUNDINGS_OF_SINGLE * 0.5f64.powi(SINGLE as i32);
         let is_rounding = size <= single * first.abs().max(again.abs());
-        let is_of_grain = self.grain().is_some_and(|of| !of.is_exceeded(c, size));
-        if is_rounding || is_of_grain {
+        if is_rounding || size < 0.5 * jump.abs() {
             return;
         }
         self.notes.difference.change(|known| {

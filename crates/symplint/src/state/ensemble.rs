@@ -143,23 +143,22 @@ impl Ensemble {
             (between.dof, between.samples),
             "ensembles of one shape"
         );
-        // Into new memory, row by row, on all threads.
-        let mut all = Ensemble::zeros(self.dof, 2 * self.samples);
-        let (stride, len) = (all.stride, all.samples);
-        let first = [self.q(), self.p()].into_iter();
-        let pairs = first.zip([between.q(), between.p()]);
-        let rows = [&mut all.q, &mut all.p].into_iter().zip(pairs);
-        let rows = rows.flat_map(|(values, (first, second))| {
-            let rows = values.chunks_mut(stride).enumerate();
-            rows.map(move |(i, row)| (&mut row[..len], first.row(i), second.row(i)))
-        });
-        in_parallel(rows, len, |(row, first, second)| {
-            let pairs = first.iter().zip(second);
-            for (to, (&first, &second)) in row.as_chunks_mut().0.iter_mut().zip(pairs) {
-                *to = [first, second];
-            }
-        });
-        *self = all;
+        let (samples, old) = (self.samples, self.stride);
+        let stride = row_stride(2 * samples);
+        let pairs = [(&mut self.q, between.q()), (&mut self.p, between.p())];
+        for (values, between) in pairs {
+            // Into new memory, row by row, on all threads.
+            let mut all = vec![0.0; self.dof * stride];
+            let rows = all.chunks_mut(stride).zip(values.chunks(old)).enumerate();
+            in_parallel(rows, stride, |(i, (row, first))| {
+                let pairs = first[..samples].iter().zip(between.row(i));
+                for (to, (&first, &second)) in row.as_chunks_mut().0.iter_mut().zip(pairs) {
+                    *to = [first, second];
+                }
+            });
+            *values = all;
+        }
+        (self.samples, self.stride) = (2 * samples, stride);
     }
 
     /// The samples of a loop with periodic momenta unwrapped, and the degrees of freedom in which they gain whole periods

@@ -140,6 +140,21 @@ fn rare_random_numbers_are_no_breaks() {
 }
 
 #[test]
+fn breaks_of_steps_whose_rounding_depends_on_the_batch_are_breaks() {
+    for first in [0.8, 0.93, 1.1, 1.25] {
+        let map = batches(move |q, p| {
+            let rounding = f64::EPSILON * (q.len() % 7) as f64;
+            for (q, p) in q.iter_mut().zip(p) {
+                *q *= 1.0 + rounding;
+                *p -= 0.1 * (*q - first).signum();
+            }
+        });
+        let verdict = run(&map).unwrap().verdict;
+        assert_eq!(verdict.kind, VerdictKind::BrokenLoops, "{first}: {verdict}");
+    }
+}
+
+#[test]
 fn small_noise_limits_the_digits() {
     for size in [1e-8, 1e-10, 1e-12] {
         let found = run(&random(size, false)).unwrap();

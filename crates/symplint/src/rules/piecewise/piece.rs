@@ -3,7 +3,6 @@
 use std::sync::Arc;
 
 use super::curves::{CurvePoint, PointImage};
-
 use super::limits::{BELOW_FULL, CHECKS, DEGREES, ESTIMATES, FULL, SHORTEST};
 use super::lobatto::{DEGREE, LOBATTO, NODES, POINTS};
 use super::scales::Scales;

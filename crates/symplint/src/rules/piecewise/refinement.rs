@@ -6,7 +6,7 @@ use super::curves::{CurvePoint, Curves, PointImage};
 use super::examine::{Finding, TurningPoints, View, Why};
 use super::jump::{Judgement, Jump};
 use super::limits::{ELSEWHERE, LARGE, NOISE_LENGTH, SAFETY, SMALL};
-use super::lobatto::DEGREE;
+use super::lobatto::{DEGREE, POINTS};
 use super::noise;
 use super::piece::{Piece, Smooth};
 use super::scales::Scales;
@@ -246,11 +246,11 @@ impl<'a> Refinement<'a> {
             }
         }
         if tasks.is_empty() {
-            let pieces = std::mem::take(&mut self.waiting).into_iter();
-            let unresolved = pieces
-                .filter_map(|outcome| outcome.piece)
-                .map(|piece| self.integrated(piece).unresolved());
-            let unresolved: Vec<Smooth> = unresolved.collect();
+            let outcomes = std::mem::take(&mut self.waiting).into_iter();
+            let pieces = outcomes.filter_map(|outcome| outcome.piece);
+            let numbers = 2 * self.curves.dof() * POINTS * DEGREE;
+            let unresolved =
+                in_parallel(pieces, numbers, |piece| self.integrated(piece).unresolved());
             self.smooth.extend(unresolved);
         }
     }
@@ -258,18 +258,24 @@ impl<'a> Refinement<'a> {
     /// Advances the ends of one break of the loop once more, if the budget allows it: what the map does at random, or as earlier calls
     /// left it, looks like a break.
     pub fn repeat_ends(&mut self) -> Result<(), Error> {
-        let Some(found) = self.breaks.iter().find(|found| found.curve == 0) else {
+        let mut of_loop = self.breaks.iter().filter(|found| found.curve == 0);
+        let Some(found) = of_loop.find(|found| !found.flickers) else {
+            return Ok(());
+        };
+        let jump = |c: usize| found.jump(c, self.coordinates);
+        let size = |c: usize| (self.scales.weight(c) * jump(c)).abs();
+        let largest = (0..2 * self.coordinates.dof()).max_by(|&a, &b| size(a).total_cmp(&size(b)));
+        let Some((c, jump)) = largest.map(|c| (c, jump(c))) else {
             return Ok(());
         };
         let first = found.images.clone();
         let ends = found.sides.map(|s| CurvePoint::on(0, s));
-        if !self.budget.grant(ends.len()) {
+        if self.curves.evaluator.is_noisy() || !self.budget.grant(ends.len()) {
             return Ok(());
         }
         for (first, again) in first.iter().zip(self.images(&ends, 0)?) {
-            for (c, (&first, &again)) in first.after().iter().zip(again.after()).enumerate() {
-                self.curves.evaluator.compare(c, [first, again]);
-            }
+            let results = [first.after()[c], again.after()[c]];
+            self.curves.evaluator.compare(c, results, jump);
         }
         Ok(())
     }

@@ -20,9 +20,10 @@ const DISTANCES: [f64; 3] = [1.0 / 64.0, 1.0 / 128.0, 1.0 / 256.0];
 /// States that are advanced for each column.
 const STATES: usize = 2 * DISTANCES.len();
 
-/// Degrees of freedom of one stretch of neighbours, as a constraint binds neighbours, and stretches. Up to as many as all of them have,
-/// the columns of all degrees of freedom are taken.
+/// Degrees of freedom of a stretch of neighbours: a constraint binds neighbours.
 const DOFS_OF_STRETCH: usize = 16;
+
+/// Stretches. If there are no more degrees of freedom than all of them have, all columns are taken.
 const STRETCHES: usize = 4;
 
 /// A direction that one step shrinks to this part, beyond what the step's expansion of another one explains, is

@@ -99,7 +99,11 @@ impl Runner<'_> {
                 size,
             } = difference;
             let scatter = &mut self.evidence.survey.scatter;
-            if scatter.is_none_or(|of| kind > of.kind || kind == of.kind && size > of.size) {
+            let overrides = |of: Scatter| match kind {
+                ScatterKind::RandomNumbers => !of.is_random() || size > of.size,
+                _ => !of.is_random() && size > of.size,
+            };
+            if scatter.is_none_or(overrides) {
                 *scatter = Some(Scatter {
                     coordinate,
                     dof,
@@ -108,6 +112,9 @@ impl Runner<'_> {
                 });
             }
         }
+        // Random numbers look like single precision.
+        let survey = &mut self.evidence.survey;
+        survey.single_inside &= !survey.scatter.is_some_and(|of| of.is_random());
     }
 
     /// Checks that no loop needs a period that is not one of the map: a given loop that winds, or a loop that breaks in periodic

@@ -373,8 +373,9 @@ fn follows_order(
     Ok(twice >= ROWS_IN_ORDER && 2 * twice >= once)
 }
 
-/// Whether the results of a batch settle if it follows its reverse again and again, and differ if it follows itself. Results settle if
-/// each change is less than half of the change before. Changes by random numbers are so by chance only.
+/// Whether the results of a batch settle if it follows its reverse again and again, and differ, twice alike, if it follows itself. Results
+/// settle if each change is less than half of the change before. Changes by random numbers are so by chance only. `false` if the budget
+/// is too small to tell.
 fn remembers(evaluator: &Evaluator<'_>, repeats: &Repeats) -> Result<bool, Error> {
     let forward = repeats.whole_batch();
     let reversed: Vec<usize> = (0..forward.samples()).rev().collect();

@@ -195,7 +195,7 @@ impl Runner<'_> {
         entries: &[FormEntry],
     ) -> Result<Option<Vec<FormEntry>>, Error> {
         let coordinates = subject.coordinates();
-        // As many as that number of weights needs.
+        // The weights of that many degrees of freedom need no more.
         let loops = entries.len().min(MOST_OF_ALL);
         // One entry alone has the unit of its group.
         if entries.len() < 2 || (loops + 2) * FEW_SAMPLES > self.count.left() {
