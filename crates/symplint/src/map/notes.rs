@@ -4,12 +4,8 @@ use std::sync::{Arc, PoisonError, RwLock};
 
 use super::{Before, Difference, Evaluator, Grain};
 use crate::loops::Loop;
-use crate::signal::{SINGLE, nearest};
+use crate::signal::{ROUNDINGS_OF_SINGLE, SINGLE, nearest};
 use crate::state::{Ensemble, period};
-
-/// Two results for one state are taken for different if they are this number of roundings of single precision apart: sums in another
-/// order add up some. Conventional.
-const ROUNDINGS_OF_SINGLE: f64 = 4.0;
 
 /// A part of a loop, after a step of size `h`, that its samples do not resolve.
 #[derive(Clone, Copy, Debug, PartialEq)]

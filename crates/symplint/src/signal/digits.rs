@@ -12,6 +12,10 @@ pub(crate) enum Format {
 /// Binary digits of single precision.
 pub(crate) const SINGLE: usize = 24;
 
+/// Two results for one state that are more than this many roundings of single precision apart do not differ by rounding of any arithmetic in
+/// use, but by random numbers, or as a solver does that starts at random. Sums add up some roundings. Conventional.
+pub(crate) const ROUNDINGS_OF_SINGLE: f64 = 4.0;
+
 /// Decimal digits that doubles do not have by accident: of 64 random ones, none has so few.
 const FEW: u8 = 10;
 

@@ -12,7 +12,7 @@ mod unwrap;
 
 pub(crate) use barycentric::Barycentric;
 pub(crate) use compensated_sum::{CompensatedSum, UNIT_ROUNDOFF};
-pub(crate) use digits::{Digits, FEW_BITS, Format, SINGLE, binary_digits};
+pub(crate) use digits::{Digits, FEW_BITS, Format, ROUNDINGS_OF_SINGLE, SINGLE, binary_digits};
 pub(crate) use extent::Extent;
 pub(crate) use largest::largest;
 pub(crate) use lattice::Levels;

@@ -13,7 +13,7 @@ use crate::evidence::{Scatter, ScatterKind};
 use crate::loops::Loop;
 use crate::map::{Evaluator, Witnesses};
 use crate::signal::noise::STEPS_OF_NOISE;
-use crate::signal::{Extent, SINGLE};
+use crate::signal::{Extent, ROUNDINGS_OF_SINGLE, SINGLE};
 use crate::state::{Ensemble, coordinate};
 
 /// One in this number of states is advanced alone at the beginning.
@@ -24,10 +24,6 @@ const BATCH_AGAIN: usize = 8;
 
 /// Differences up to this many standard deviations are explained by scatter.
 const EXPLAINED: f64 = 16.0;
-
-/// Noise larger than this many roundings of single precision is not rounding of any arithmetic in use: random numbers, or
-/// a solver that starts at random. Sums add up some roundings.
-const ROUNDINGS_OF_SINGLE: f64 = 4.0;
 
 /// The same if the map computes in single precision, or less: sums cancel.
 const ROUNDINGS_OF_FEW_DIGITS: f64 = 64.0;
@@ -374,8 +370,8 @@ fn follows_order(
 }
 
 /// Whether the results of a batch settle if it follows its reverse again and again, and differ, twice alike, if it follows itself. Results
-/// settle if each change is less than half of the change before. Changes by random numbers are so by chance only. `false` if the budget
-/// is too small to tell.
+/// settle if each change is less than half of the change before. Random numbers do that by chance only. `false` if the budget is too
+/// small to tell.
 fn remembers(evaluator: &Evaluator<'_>, repeats: &Repeats) -> Result<bool, Error> {
     let forward = repeats.whole_batch();
     let reversed: Vec<usize> = (0..forward.samples()).rev().collect();
