@@ -131,7 +131,7 @@ impl Runner<'_> {
         let has_period = (0..subject.dof()).any(|i| subject.coordinates().period(i) != 0.0);
         let all = count + LOOPS_OF_GROUP * further_groups + usize::from(has_period);
         let of_loop = cost.step.max(self.plan.first_samples);
-        let needed = self.sure_loops(of_loop).min(all);
+        let needed = self.needed_loops().min(all);
         let to_come = needed.saturating_sub(random.len()) * of_loop;
         // The first random loop that shows a defect takes all step sizes.
         let of_sweep = match given_loop.is_some_and(LoopEvidence::shows_defect)

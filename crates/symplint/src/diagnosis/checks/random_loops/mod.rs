@@ -135,17 +135,21 @@ impl Runner<'_> {
 
     /// The number of further loops that are measured whatever they show, if each takes `of_loop` evaluations: those
     /// before which [`is_settled`](Self::is_settled) is false.
-    pub(super) fn sure_loops(&self, of_loop: usize) -> usize {
+    fn sure_loops(&self, of_loop: usize) -> usize {
+        self.needed_loops().min(self.left() / SURE_PART / of_loop)
+    }
+
+    /// The same if the budget were large enough.
+    pub(super) fn needed_loops(&self) -> usize {
         let given = &self.evidence.loops[0];
         // A loop that winds does not count as evidence.
         let proves = !given.winds;
-        let needed = match (proves && given.is_broken(), self.plan.is_tight()) {
+        match (proves && given.is_broken(), self.plan.is_tight()) {
             (true, true) => 0,
             (true, false) => LOOPS_BESIDE_BREAKS,
             (false, true) if proves && given.shows_defect() => 1,
             (false, _) => usize::MAX,
-        };
-        needed.min(self.left() / SURE_PART / of_loop)
+        }
     }
 
     /// The curve of such a loop, if there is one of its kind.
