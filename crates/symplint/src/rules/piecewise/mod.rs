@@ -30,6 +30,7 @@ mod piece;
 mod refinement;
 mod samples;
 mod scales;
+mod stage_states;
 mod sum;
 mod task;
 mod under_resolved;
