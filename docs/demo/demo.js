@@ -38,7 +38,9 @@
   /** What is wrong with a field; an empty text if all are numbers. */
   function mistake() {
     const wrong = ["q0", "p0", "radius"].find((id) => !numbers(id).every(Number.isFinite));
-    return isTyped() && wrong ? `${page(wrong).value || "nothing"} is not a number: write 0.5, or 0.5, 1 for two` : "";
+    if (!isTyped() || !wrong) return "";
+    const name = { q0: "q at the centre", p0: "p at the centre", radius: "The radius" }[wrong];
+    return `${name} is not a number: ${page(wrong).value || "nothing"}. Write 0.5, or 0.5, 1 for two degrees of freedom.`;
   }
 
   /** The question for the choices: a configuration, or a typed step. */
@@ -125,7 +127,9 @@
     const options = (entries) => entries.map(([value, label]) => `<option value="${value}">${label}</option>`).join("");
     page("system").innerHTML = options(Object.entries(SYSTEMS));
     page("integrator").innerHTML = options(INTEGRATORS.map((name) => [name, name]));
+    page("running").textContent = "The diagnostic loads (8 MB) …";
     const exports = await load();
+    page("running").textContent = "";
     if (!exports) {
       page("error").textContent = "This copy of the book has no demo: it was built without WebAssembly. The page for developers describes the build.";
       return;

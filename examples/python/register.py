@@ -292,13 +292,12 @@ def numpyro(integrator):
 
 SPLITTING = "symplectic: splitting method"
 ADAPTIVE = "not symplectic: chooses its steps"
-CONVERGED = "symplectic to its tolerance: chooses its steps"
 RUNGE_KUTTA = "not symplectic: explicit Runge–Kutta"
 
 # The package that `pip` installs: the functions, and for each method what theory says.
 PACKAGES = {
     "rebound": [
-        (rebound, dict.fromkeys(("whfast", "leapfrog", "saba"), SPLITTING) | dict.fromkeys(("ias15", "bs"), CONVERGED))
+        (rebound, dict.fromkeys(("whfast", "leapfrog", "saba"), SPLITTING) | dict.fromkeys(("ias15", "bs"), ADAPTIVE))
     ],
     "scipy": [(scipy, dict.fromkeys(("RK45", "DOP853", "Radau", "LSODA"), ADAPTIVE))],
     "ase": [(ase, {"VelocityVerlet": SPLITTING})],
@@ -308,7 +307,7 @@ PACKAGES = {
             "LeapfrogIntegrator": SPLITTING,
             "Ruth4Integrator": SPLITTING,
             "RK5Integrator": RUNGE_KUTTA,
-            "DOPRI853Integrator": CONVERGED,
+            "DOPRI853Integrator": ADAPTIVE,
         })
     ],
     "galpy": [
@@ -339,11 +338,11 @@ def verdict(report):
     if report.kind == "symplectic":
         return f"symplectic to {report.digits:g} digits"
     change = re.fullmatch(
-        r"The map changes (a loop integral by .*? (?:at h = [\de-]+(?:\.\d+)?|in one application))(, in proportion to h[⁰¹²³⁴-⁹]*)?.*",
+        r"The map changes loop integrals by up to (.*? (?:at h = [\de-]+(?:\.\d+)?|in one application))(, in proportion to h[⁰¹²³⁴-⁹]*)?.*",
         report.summary,
     )
     if report.kind == "not-symplectic" and change:
-        return f"not symplectic; {change[1].replace(' by ', ' changes by ')}{change[2] or ''}"
+        return f"not symplectic; a loop integral changes by {change[1]}{change[2] or ''}"
     return report.headline
 
 

@@ -563,7 +563,7 @@ def assert_symplectic(
     >>> symplint.assert_symplectic(with_friction, 1.0, 0.5)
     Traceback (most recent call last):
         ...
-    symplint.NotSymplecticError: with_friction is not symplectic: The map changes a loop integral by 0.005 at h = 0.5, in proportion to h.
+    symplint.NotSymplecticError: with_friction is not symplectic: The map changes loop integrals by up to 0.005 at h = 0.5, in proportion to h.
     ...
     """
     __tracebackhide__ = True

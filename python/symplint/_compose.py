@@ -26,8 +26,8 @@ class Composition:
 
     def __call__(self, q: Any, p: Any, *h: float) -> tuple[Any, Any]:
         """All parts, the first to be applied first."""
-        for _, function in self.parts:
-            q, p = self._advanced(function, q, p, *h)
+        for number in range(len(self.parts)):
+            q, p = self._advanced(number, q, p, *h)
         return q, p
 
     def part(self, number: int) -> Callable[..., Any]:
@@ -43,8 +43,7 @@ class Composition:
         callable
             A step as `check` takes it.
         """
-        function = self.parts[number][1]
-        return lambda q, p, *h: self._advanced(function, q, p, *h)
+        return lambda q, p, *h: self._advanced(number, q, p, *h)
 
     def without_step_size(self) -> Composition:
         """The same for parts that get no step size.
@@ -56,10 +55,18 @@ class Composition:
         """
         return Composition(self.parts, has_step_size=False)
 
-    def _advanced(self, function: Callable[..., Any], q: Any, p: Any, *h: float) -> tuple[Any, Any]:
-        result = function(q, p, *h) if self.has_step_size else function(q, p)
+    def _advanced(self, number: int, q: Any, p: Any, *h: float) -> tuple[Any, Any]:
+        name, function = self.parts[number]
+        try:
+            result = function(q, p, *h) if self.has_step_size else function(q, p)
+        except Exception as error:
+            error.add_note(f"in part {number} ({name})")
+            raise
         if result is None:
             return q, p
+        if not (isinstance(result, tuple | list) and len(result) == 2):
+            kind = type(result).__name__
+            raise TypeError(f"part {number} ({name}) returned an object of type {kind}; return q and p, or change both in place and return None")
         q, p = result
         return q, p
 
@@ -82,7 +89,7 @@ def compose(*parts: Part) -> Composition:
     -------
     Composition
         The whole step. If it changes loop integrals, `check` sends one more loop through all parts, and reports which of them do.
-        The number of parts does not matter.
+        The cost does not depend on the number of parts.
 
     Raises
     ------

@@ -208,9 +208,9 @@ def check_force(
 ) -> FieldReport:
     """Test whether a force is a gradient.
 
-    The work ∮F·dq around each loop is zero if the force F is a gradient. If it is not a gradient, no symplectic integrator makes a
-    symplectic map of it, and the energy drifts. This is the usual reason for a defect of lower order than the order of the method. The
-    test needs no step. The number of evaluations does not depend on the degrees of freedom.
+    The work ∮F·dq around each loop is zero if the force F is a gradient. If it is not a gradient, no step with this
+    force is symplectic, and the energy drifts. Such a force is the usual reason for a defect of lower order than the order of the
+    method. The test needs no step. The number of evaluations does not depend on the degrees of freedom.
 
     Parameters
     ----------
@@ -243,7 +243,7 @@ def check_force(
     threads : int, optional
         Threads for the work of the library, as in `check`.
     run_dir, key : optional
-        A folder to write report.json to, and to store every result of `force` in: a test that was stopped resumes there, as in `check`.
+        A folder for report.json and for every result of `force`: a test that was stopped resumes there, as in `check`.
     maxfev, seed, executor, out : optional
         Other names of `budget`, `rng`, `workers` and `run_dir`.
 
@@ -255,7 +255,7 @@ def check_force(
     Raises
     ------
     InputError
-        If an argument is not valid, or a stated period is not one of the force.
+        If an argument is not valid, or the force does not have a stated period.
     StepError
         If the force fails or is not finite on a loop. Exceptions of `force` are the cause.
 

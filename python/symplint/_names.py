@@ -20,7 +20,7 @@ __all__ = ["Coordinates", "WithArguments", "executor_of", "one_of", "seed_of"]
 
 @dataclass(frozen=True, kw_only=True)
 class Coordinates:
-    """What makes the coordinates of a map canonical; `check` takes each of these by its own name, too.
+    """What makes the coordinates of a map canonical; `check` also takes each of these as an argument.
 
     Parameters
     ----------

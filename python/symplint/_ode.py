@@ -84,7 +84,7 @@ def from_ode(
     Raises
     ------
     InputError
-        If `f` is not a function, the method or an option has no steps of fixed size, or an option is not one of a step.
+        If `f` is not a function, the method or an option has no steps of fixed size, or an option is not an option of a step.
     RuntimeError
         Raised by the step, if the method or a terminal event stops before t0 + h.
 

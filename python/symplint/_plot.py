@@ -66,7 +66,8 @@ def plot_loop(
     """A loop before and after a step, with the chords over its breaks; `style` applies to the states after the step."""
     ax = _axes(ax)
     label = f"after one step of h = {h:g}" if np.isfinite(h) else "after the step"
-    ax.plot(before[0][:, dof], before[1][:, dof], "-", color="0.6", label="before")
+    closed = [np.append(row[:, dof], row[0, dof]) for row in before]
+    ax.plot(*closed, "-", color="0.6", label="before")
     # Points, because a line would hide that a loop is broken.
     points: dict[str, Any] = {"marker": ".", "linestyle": "", "label": label} | style
     ax.plot(after[0][:, dof], after[1][:, dof], **points)
@@ -74,6 +75,7 @@ def plot_loop(
         samples = len(after[0])
         ends = [int(s * samples) % samples, (int(s * samples) + 1) % samples]
         ax.plot(after[0][ends, dof], after[1][ends, dof], ":", color="tab:red", label="" if number else "breaks")
+    ax.set_aspect("equal", adjustable="datalim")
     ax.set_xlabel(f"q[{dof}]")
     ax.set_ylabel(f"p[{dof}]")
     ax.legend()

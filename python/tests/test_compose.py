@@ -53,7 +53,7 @@ def test_the_part_that_has_the_defect_is_named():
     assert [part["name"] for part in found] == ["drift", "kick", "friction"]
     assert abs(found[2]["change"] + 0.005) < 1e-12
     assert max(abs(part["change"]) for part in found[:2]) < 1e-13
-    # A defect of a part is that of the same part given alone.
+    # A defect of a part is the defect of the same part given alone.
     same = symplint.check(None, 1.0, 0.5, substeps=parts)
     assert same.to_dict()["evidence"]["localisation"]["substeps"] == found
 
@@ -112,6 +112,38 @@ def test_parts_are_pairs_of_a_name_and_a_function(parts, words):
         symplint.compose(*parts)
     with pytest.raises(symplint.InputError, match=words):
         symplint.check(None, 1.0, 0.5, substeps=parts)
+
+
+def test_the_wrong_entry_of_a_linear_element_is_named_and_not_friction():
+    def element(x, y):
+        def step(q, p):
+            new_q = np.stack([x[0] * q[:, 0] + x[1] * p[:, 0], y[0] * q[:, 1] + y[1] * p[:, 1]], 1)
+            return new_q, np.stack([x[2] * q[:, 0] + x[3] * p[:, 0], y[2] * q[:, 1] + y[3] * p[:, 1]], 1)
+
+        return step
+
+    angle = 0.3
+    focus = [np.cos(angle), np.sin(angle), -np.sin(angle), np.cos(angle)]
+    defocus = [np.cosh(angle), np.sinh(angle), np.sinh(angle), np.cosh(angle)]
+    # The sine in place of the hyperbolic sine.
+    wrong = [np.cosh(angle), np.sin(angle), np.sinh(angle), np.cosh(angle)]
+    parts = [("QF", element(focus, defocus)), ("QF wrong", element(focus, wrong)), ("QD", element(defocus, focus))]
+    report = symplint.check(None, [0.0, 0.0], [0.0, 0.0], substeps=parts, step_sizes="none")
+    assert report.cause.kind == "substep"
+    assert "substep 2 (QF wrong)" in report.cause.text
+
+
+def test_an_error_of_a_part_names_the_part():
+    step = symplint.compose(("drift", drift), ("bad", lambda q, p, h: q))
+    with pytest.raises(symplint.StepError, match=r"part 1 \(bad\) returned an object of type ndarray; return q and p"):
+        symplint.check(step, 1.0, 0.5)
+
+    def fails(q, p, h):
+        raise RuntimeError("no table")
+
+    with pytest.raises(RuntimeError, match="no table") as raised:
+        symplint.compose(("drift", drift), ("fails", fails))(np.ones((4, 1)), np.ones((4, 1)), 0.1)
+    assert raised.value.__notes__ == ["in part 1 (fails)"]
 
 
 def test_a_step_is_given_once():

@@ -45,7 +45,7 @@ def draw(folder: Path, theme: str) -> None:
             points = symplint.check(step, 0.7, 1.0).points
             own = points[points["loop"] == 0]
             right.loglog(own["step_size"], np.maximum(own["defect"], 5e-17), "o-", color=colours[name], label=label, markersize=4)
-        left.set(xlabel="position q", ylabel="momentum p", aspect="equal", title="a loop of states, one step", xlim=(-0.9, 3.5), ylim=(-1.1, 3.1))
+        left.set(xlabel="position q", ylabel="momentum p", aspect="equal", title="a loop of states, one step of h = 1", xlim=(-0.9, 3.5), ylim=(-1.1, 3.1))
         left.legend(frameon=False, loc="upper left", fontsize=8)
         right.set(xlabel="step size h", title="relative change of its area", ylim=(1e-17, 3))
         right.legend(frameon=False, loc="center right", fontsize=9)

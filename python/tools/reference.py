@@ -309,7 +309,7 @@ def report() -> Iterator[str]:
         if path in MEANINGS:
             rows.append([f"`{path}`", type_, MEANINGS[path]])
         elif path.startswith("evaluations.by_check."):
-            rows.append([f"`{path}`", type_, "evaluations of this test"])
+            rows.append([f"`{path}`", type_, "evaluations of this check"])
         elif path.startswith("verdict.findings[]."):
             continue
         elif top in ("points", "verdict", "evaluations"):

@@ -25,7 +25,7 @@ const AFTER: &str = "Examples:
   symplint measure loop.npz after.npz             compare them with the states after its step
   symplint reproduce fig2                         a figure of the paper
 
-Exit status of `check`, `measure` and `judge`: 0 symplectic; 1 not symplectic, or loops broken; 2 bad usage, bad input or a \
+Exit status of `check`, `measure`, `judge` and `resume`: 0 symplectic; 1 not symplectic, or loops broken; 2 bad usage, bad input or a \
 failed run; 3 undecided; 130 interrupted.";
 
 const EXIT_STATUS: &str = "Exit status: 0 symplectic; 1 not symplectic, or loops broken; 2 bad usage, bad input or a \
@@ -317,10 +317,10 @@ pub struct ReproduceArgs {
     /// Folder for figures, data and claims
     #[arg(long, value_name = "DIR", default_value = "symplint-paper")]
     pub out: PathBuf,
-    /// Replace another run in that folder; files that symplint did not write are never replaced
+    /// Replace another run in DIR; files that symplint did not write are never replaced
     #[arg(long)]
     pub force: bool,
-    /// Print the claims as JSON on standard output, and nothing else there
+    /// Print the claims as JSON on standard output, and nothing else
     #[arg(long)]
     pub json: bool,
     /// No progress bar; print only the numbers of claims that hold and fail
@@ -359,7 +359,7 @@ pub struct LoopArgs {
     /// Changes of the configuration.
     #[command(flatten)]
     pub settings: Settings,
-    /// Print the names of the files as JSON on standard output, and nothing else there
+    /// Print the names of the files as JSON on standard output, and nothing else
     #[arg(long)]
     pub json: bool,
     /// Print the file and its size, without the next command
@@ -453,7 +453,7 @@ pub struct Run {
     /// have a run of the same configuration
     #[arg(short, long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Replace another run in that folder; files that symplint did not write are never replaced
+    /// Replace another run in DIR; files that symplint did not write are never replaced
     #[arg(long, requires = "out")]
     pub force: bool,
     /// The rest.
@@ -464,7 +464,7 @@ pub struct Run {
 /// Output on the terminal, and the number of threads.
 #[derive(Args, Clone)]
 pub struct Shown {
-    /// Print the report as JSON on standard output, and nothing else there
+    /// Print the report as JSON on standard output, and nothing else
     #[arg(long)]
     pub json: bool,
     /// No progress bar; print only the headline of the verdict, or the last lines of a trace

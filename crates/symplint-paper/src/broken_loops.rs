@@ -10,7 +10,7 @@ use symplint::rules::{Cutoffs, Piecewise};
 use symplint::{Circle, Defect, Ensemble, LoopIntegral, Phases, Rule, TimeAdvance};
 use symplint_models::Separable;
 use symplint_plasma::pic::{ParticleWeights, Pic1d, PicConfig};
-use symplint_report::figure::{Figure, Panel, Series, Style};
+use symplint_report::figure::{Axis, Figure, Panel, Series, Style};
 use symplint_report::plot::{error_axis, series, step_axis, uncertainty};
 use symplint_report::run_folder::RunFolder;
 
@@ -144,6 +144,8 @@ fn figure(particles: usize, rows: &[Row]) -> Figure {
                 .collect()
         };
         let all: Vec<Series> = vec![
+            // First, because the rule agrees with the next curve at large steps.
+            series("cut-off rule", of(|row| row.cutoff_rule), Style::Points, 1),
             series(
                 "between breaks",
                 of(|row| row.continuous),
@@ -156,13 +158,15 @@ fn figure(particles: usize, rows: &[Row]) -> Figure {
                 Style::LineAndPoints,
                 2,
             ),
-            series("cut-off rule", of(|row| row.cutoff_rule), Style::Points, 1),
             uncertainty(of(|row| row.uncertainty)),
         ];
         Panel {
             title: format!("{integrator}, linear splines, Nₚ = {particles}"),
             x: step_axis(),
-            y: error_axis(),
+            y: Axis {
+                range: Some((1e-18, 1.0)),
+                ..error_axis()
+            },
             series: all,
             equal_aspect: false,
         }

@@ -189,7 +189,7 @@ pub fn claims_summary(claims: &[Claim], counts_only: bool) -> String {
         }
         let count = |judgement| rows.iter().filter(|c| c.judgement == judgement).count();
         lines.push(format!(
-            "{name}: {}; hold: {}, with a correction: {}, do not: {}, not resolved: {}",
+            "{name}: {}; hold: {}, with a correction: {}, fail: {}, not resolved: {}",
             rows.len(),
             count(Judgement::Holds),
             count(Judgement::HoldsCorrected),

@@ -53,11 +53,12 @@ fn single(title: &str, x: Axis, y: Axis, series: Vec<Series>) -> Figure {
 
 /// The uncertainty of some points; none where it is not known.
 fn uncertainty_of(points: &[&Point], x: impl Fn(&Point) -> f64) -> Series {
-    let known = points.iter().map(|point| {
-        let quadrature = point.quadrature_error.unwrap_or(f64::NAN);
-        (x(point), quadrature + point.roundoff)
-    });
-    uncertainty(known)
+    uncertainty(points.iter().map(|point| (x(point), uncertainty_at(point))))
+}
+
+/// Not a number if it is not known.
+fn uncertainty_at(point: &Point) -> f64 {
+    point.quadrature_error.unwrap_or(f64::NAN) + point.roundoff
 }
 
 /// The defects of some loops against step sizes. Those of a broken loop are of two integrals: of the pieces between
@@ -68,6 +69,12 @@ fn defects(name: &str, points: &[&Point], style: Style, colors: [usize; 2]) -> V
         points.iter().filter_map(at).collect()
     };
     let all = curve(|point| Some(point.defect));
+    // Between rounding errors, a line shows nothing.
+    let exceeds = |point: &&Point| point.defect > uncertainty_at(point);
+    let style = match points.iter().any(exceeds) {
+        true => style,
+        false => Style::Points,
+    };
     let is_broken = |point: &&Point| point.jumps.is_some_and(|count| count > 0);
     if !points.iter().any(is_broken) {
         return vec![series(name, all, style, colors[0])];
@@ -101,13 +108,15 @@ pub fn step_sizes(title: &str, diagnosis: &Diagnosis) -> Figure {
     let fits = diagnosis.fits().iter();
     let of_given = (fits.filter(|fit| fit.loop_index == 0 && fit.against == "step_size"))
         .find_map(|fit| fit.whole());
-    if let Some(order) = diagnosis.verdict.order.or(of_given) {
+    if let Some(order) = (diagnosis.verdict.order.or(of_given)).filter(|order| order.round() > 0.0)
+    {
         let points: Vec<(f64, f64)> = (given.iter())
             .map(|point| (point.step_size, point.defect))
             .collect();
         all.push(reference_slope(&points, order, "h"));
     }
-    all.push(uncertainty_of(&given, |point| point.step_size));
+    let points: Vec<&Point> = given.iter().chain(&random).copied().collect();
+    all.push(uncertainty_of(&points, |point| point.step_size));
     let found = diagnosis.verdict.headline();
     single(&found, step_axis(), error_axis(), all).with_title(title)
 }
@@ -260,10 +269,12 @@ pub fn trace_figures(
         .iter()
         .map(|point| (point.time, point.defect))
         .collect();
-    let integral = vec![
-        series("defect", defects, Style::Line, 0),
-        uncertainty_in_time(&record.points),
-    ];
+    let uncertainty = uncertainty_in_time(&record.points);
+    let exceeds = (record.points.iter().zip(&uncertainty.points))
+        .any(|(point, allowed)| point.defect > allowed.1);
+    // Between rounding errors, a line shows nothing.
+    let style = if exceeds { Style::Line } else { Style::Points };
+    let integral = vec![series("defect", defects, style, 0), uncertainty];
     let energy_errors = (record.points.iter())
         .map(|point| (point.time, point.energy_error.unwrap_or(f64::NAN)))
         .collect();

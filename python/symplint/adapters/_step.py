@@ -24,7 +24,7 @@ BODIES_TRIED = 256
 class AdaptedStep:
     """A step of another package with its centre, masses and step sizes: what the functions of `symplint.adapters` return.
 
-    `symplint.check` takes from it what its own arguments leave open. It may be called as ``step(q, p, h)``.
+    `symplint.check` uses its centre, weights and step sizes unless you pass others. It may be called as ``step(q, p, h)``.
 
     Parameters
     ----------

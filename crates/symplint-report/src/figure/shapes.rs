@@ -128,10 +128,12 @@ fn reach_frame(runs: &mut [Vec<Point>], frame: Rect) {
         } else {
             (frame.right, frame.left)
         };
-        if (first.0 - start).abs() < reach {
+        // A single value has no other place to show its width.
+        let is_single = run.len() == 1;
+        if is_single || (first.0 - start).abs() < reach {
             run.insert(0, (start, first.1));
         }
-        if (last.0 - end).abs() < reach {
+        if is_single || (last.0 - end).abs() < reach {
             run.push((end, last.1));
         }
     }

@@ -126,21 +126,27 @@ struct Bar {
 
 /// A table of the parts of a change, with a bar for each that exceeds its uncertainty: the largest one fills its column.
 fn bars(caption: &str, what: &str, rows: &[Bar]) -> String {
-    if rows.is_empty() {
+    let is_known = |row: &Bar| row.change.abs() > row.uncertainty.unwrap_or(0.0);
+    let has_bars = rows.iter().any(is_known);
+    if !has_bars && rows.iter().all(|row| row.breaks.unwrap_or(0) == 0) {
         return String::new();
     }
     let largest = (rows.iter().map(|row| row.change.abs())).fold(0.0, f64::max);
     let row = |row: &Bar| {
-        let is_known = row.change.abs() > row.uncertainty.unwrap_or(0.0);
-        let width = match is_known {
+        let width = match is_known(row) {
             true => 100.0 * row.change.abs() / largest,
             false => 0.0,
         };
         let sign = if row.change < 0.0 { "less" } else { "more" };
+        let bar = match has_bars {
+            true => format!(
+                "<td class=\"bar\" aria-hidden=\"true\"><span class=\"{sign}\" style=\"width: {width:.1}%\"></span></td>"
+            ),
+            false => String::new(),
+        };
         let breaks = (row.breaks).map_or(String::new(), |count| format!("<td>{count}</td>"));
         format!(
-            "<tr><th scope=\"row\">{}</th><td>{}</td><td>{}</td>{breaks}<td class=\"bar\" aria-hidden=\"true\">\
-             <span class=\"{sign}\" style=\"width: {width:.1}%\"></span></td></tr>\n",
+            "<tr><th scope=\"row\">{}</th><td>{}</td><td>{}</td>{breaks}{bar}</tr>\n",
             escaped(&row.name),
             signed(row.change),
             row.uncertainty.map_or("unknown".into(), size_of),
@@ -150,12 +156,12 @@ fn bars(caption: &str, what: &str, rows: &[Bar]) -> String {
         true => "<th scope=\"col\">new breaks</th>",
         false => "",
     };
+    let bar = if has_bars { "<td></td>" } else { "" };
     let rows: String = rows.iter().map(row).collect();
     scrolling(
         caption,
         &format!(
-            "<thead><tr><th scope=\"col\">{what}</th><th scope=\"col\">change</th><th scope=\"col\">{UNCERTAINTY}</th>{breaks}\
-             <td></td></tr></thead>\n<tbody>\n{rows}</tbody>"
+            "<thead><tr><th scope=\"col\">{what}</th><th scope=\"col\">change</th><th scope=\"col\">{UNCERTAINTY}</th>{breaks}{bar}</tr></thead>\n<tbody>\n{rows}</tbody>"
         ),
     )
 }
@@ -172,7 +178,7 @@ fn scrolling(caption: &str, parts: &str) -> String {
 fn signed(change: f64) -> String {
     match change == 0.0 {
         true => "0".into(),
-        false => plain_numbers(&format!("{change:+.2e}")).replace('-', "−"),
+        false => plain_numbers(&format!("{change:+.2e}")),
     }
 }
 
@@ -180,6 +186,6 @@ fn signed(change: f64) -> String {
 fn size_of(value: f64) -> String {
     match value == 0.0 {
         true => "0".into(),
-        false => plain_numbers(&format!("{value:.0e}")).replace('-', "−"),
+        false => plain_numbers(&format!("{value:.0e}")),
     }
 }

@@ -39,7 +39,7 @@ pub struct SampleSweep {
     pub step_size: f64,
 }
 
-/// What to measure; [`Diagnostic::run`] measures it and judges.
+/// The settings of a diagnosis: [`Diagnostic::run`] measures, and computes the verdict.
 ///
 /// ```
 /// use symplint::{Circle, Diagnostic, PerSample, VerdictKind};

@@ -1,4 +1,4 @@
-//! Everything that was measured, and nothing that was concluded.
+//! Measurements, without conclusions.
 //!
 //! A diagnosis fills one [`Evidence`], [`judge`](crate::verdict::judge) reads it. It is serialisable: a verdict
 //! can be reached again from a file.
@@ -48,7 +48,7 @@ pub(crate) const FEWEST_OF_A_LAW: usize = 3;
 /// The largest of these step sizes over the smallest, at least. Two halvings, with room for step sizes that are rounded.
 pub(crate) const NARROWEST_RANGE: f64 = 3.9;
 
-/// All that was measured of one map, or of loops that another code advanced.
+/// All measurements of one map, or of loops that another code advanced.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct Evidence {

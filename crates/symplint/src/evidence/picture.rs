@@ -1,9 +1,11 @@
 //! The given loop before and after a step, for a figure.
 
 use crate::loops::Loop;
-use crate::state::{Ensemble, SMALL_MEMORY};
+use crate::signal::unwrap_row;
+use crate::state::{Coordinates, Ensemble, SMALL_MEMORY};
 
-/// Samples of the given loop before and after one step.
+/// Samples of the given loop before and after one step. Periodic coordinates are unwrapped along the loop, so that a curve shows breaks
+/// only where the map makes them.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct LoopPicture {
@@ -20,11 +22,34 @@ impl LoopPicture {
     const MOST_SAMPLES: usize = 1024;
 
     /// Makes a picture of an ensemble before a step and the same ensemble after it.
-    pub(crate) fn of(step_size: Option<f64>, before: &Ensemble, after: &Ensemble) -> Self {
+    pub(crate) fn of(
+        step_size: Option<f64>,
+        before: &Ensemble,
+        after: &Ensemble,
+        coordinates: &Coordinates,
+    ) -> Self {
+        let mut before = Self::shown(before);
+        unwrap(&mut before, coordinates);
+        Self::unwrapped(step_size, before, Self::shown(after), coordinates)
+    }
+
+    fn unwrapped(
+        step_size: Option<f64>,
+        before: Ensemble,
+        mut after: Ensemble,
+        coordinates: &Coordinates,
+    ) -> Self {
+        unwrap(&mut after, coordinates);
+        let mut block = after.block();
+        for i in 0..before.dof() {
+            let (q, p) = (before.q().row(i), before.p().row(i));
+            bring_near(block.q.row_mut(i), q, coordinates.period(i));
+            bring_near(block.p.row_mut(i), p, coordinates.momentum_period(i));
+        }
         LoopPicture {
             step_size,
-            before: Self::shown(before),
-            after: Self::shown(after),
+            before,
+            after,
         }
     }
 
@@ -39,6 +64,7 @@ impl LoopPicture {
         step_size: Option<f64>,
         phase_loop: &dyn Loop,
         (after, samples): (Ensemble, usize),
+        coordinates: &Coordinates,
     ) -> Self {
         let every = samples.div_ceil(after.samples());
         let s: Vec<f64> = (0..after.samples())
@@ -46,10 +72,26 @@ impl LoopPicture {
             .collect();
         let mut before = Ensemble::zeros(after.dof(), after.samples());
         phase_loop.sample(&s, &mut before.block());
-        LoopPicture {
-            step_size,
-            before,
-            after,
-        }
+        Self::unwrapped(step_size, before, after, coordinates)
+    }
+}
+
+/// Unwraps all coordinates that have a period.
+fn unwrap(samples: &mut Ensemble, coordinates: &Coordinates) {
+    let dof = samples.dof();
+    let mut block = samples.block();
+    for i in 0..dof {
+        unwrap_row(block.q.row_mut(i), coordinates.period(i));
+        unwrap_row(block.p.row_mut(i), coordinates.momentum_period(i));
+    }
+}
+
+/// Moves a row by whole periods, so that its first value is near the first value of another row.
+fn bring_near(row: &mut [f64], other: &[f64], period: f64) {
+    if let (Some(first), Some(near)) = (row.first(), other.first())
+        && period > 0.0
+    {
+        let shift = ((near - first) / period).round() * period;
+        row.iter_mut().for_each(|value| *value += shift);
     }
 }

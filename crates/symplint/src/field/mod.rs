@@ -1,4 +1,4 @@
-//! Forces and vector fields: is F(q) a gradient, is (q, p)' = f(q, p) Hamiltonian? No step is needed to tell.
+//! Forces and vector fields: is F(q) a gradient, is (q, p)' = f(q, p) Hamiltonian? The test needs no step.
 //!
 //! A force is a gradient if and only if ∮ F·dq = 0 around every loop of positions, and a vector field is Hamiltonian if and only if
 //! ∮ (f_q·dp − f_p·dq) = 0 around every contractible loop of phase space. Both are loop integrals of a one-form. Along a loop γ the form

@@ -186,7 +186,7 @@ impl FieldReport {
         {
             found.push(
                 "Larger loops show no jumps. A curl this small can also come from a solver, a table or finite differences inside; \
-                 it is then proportional to the tolerance or to the distance of the entries."
+                 it is then proportional to the tolerance, or to the distance between entries of the table."
                     .into(),
             );
         }
@@ -244,7 +244,7 @@ impl FieldReport {
                 "Test the field without friction, or use an integrator for conformally Hamiltonian fields.",
             ],
             Certainty::Work(_) if self.is_force() => &[
-                "Check the formula first: signs, indices, a term that one of two particles misses (Newton's third law), accelerations \
+                "Check the formula first: signs, indices, a force that acts on only one of two particles (Newton's third law), accelerations \
                  instead of forces.",
                 "A neural network that predicts forces directly gives no gradient: let it predict the energy, and differentiate.",
             ],
@@ -330,7 +330,7 @@ impl fmt::Display for FieldReport {
                 work.samples,
                 plain_numbers(&format!("{:+.1e}", work.integral)),
                 plain_numbers(&format!("{:.0e}", work.error())),
-                plain_numbers(&format!("{:.0e}", work.scale)),
+                plain_numbers(&format!("{:.1e}", work.scale)),
             )?;
         }
         writeln!(f)?;

@@ -30,7 +30,7 @@ pub const SETTINGS: &[Setting] = &[
     optional(
         "step_size",
         "0.1",
-        "a typical step size, instead of step_sizes: symplint finds a large step size from it, and halves it",
+        "a typical step size, instead of step_sizes: symplint finds a large step size from it, and also tests its halves",
         typical_step,
     ),
     Setting {

@@ -167,7 +167,7 @@ impl Rule {
     }
 }
 
-/// ∮ p·dq of one ensemble with what is known of its error.
+/// ∮ p·dq of one ensemble, with its error.
 #[derive(Clone, Debug)]
 pub struct LoopIntegral {
     /// ∮ p·dq, in units of momentum × position.

@@ -1,4 +1,4 @@
-//! Loops that another code advanced: all that is known of them is their samples.
+//! Loops that another code advanced, given by their samples.
 //!
 //! A map can be evaluated between the samples, data cannot. So where the samples are smooth the
 //! pseudospectral rule with an error estimate from every second sample is used, and where they jump
@@ -138,8 +138,10 @@ pub fn measure_snapshots(
     Ok(Evidence {
         origin: Origin::Samples,
         survey,
-        picture: largest
-            .map(|largest| LoopPicture::of(largest.step_size, &before.states, &largest.states)),
+        picture: largest.map(|largest| {
+            let (before, after) = (&before.states, &largest.states);
+            LoopPicture::of(largest.step_size, before, after, coordinates)
+        }),
         breaks: compared.iter().flat_map(breaks_at).collect(),
         loops: vec![given],
         ..Evidence::default()

@@ -222,7 +222,7 @@ impl Advice {
                 "Set rule to \"auto\": finite differences are of first order, and only good to a few digits."
             }
             Advice::LargerLoop => {
-                "Round-off makes most of the bound: take a larger loop, nearer to the origin, and states in double \
+                "Rounding errors make most of the bound: take a larger loop, nearer to the origin, and states in double \
                  precision."
             }
             Advice::MoreDigits => {
@@ -315,7 +315,7 @@ impl Display for Advice {
             ),
             Advice::MoreEvaluations { wanted } => write!(
                 f,
-                "Raise the budget by about {wanted} evaluations, which the samples seem to need."
+                "Raise the budget by about {wanted} evaluations: the samples seem to need them."
             ),
             fixed => f.write_str(fixed.fixed().unwrap_or_default()),
         }
@@ -326,11 +326,15 @@ impl Display for Advice {
 fn look_for_cause(order: Option<f64>) -> String {
     match order {
         Some(order) if order.round() >= 2.0 => {
-            // A slope between two orders names no method.
+            // A method of order p changes areas in proportion to h^(p + 1). On an oscillator odd powers vanish, and p + 2 is left
+            // of an even p. A slope between two orders names no method.
             let [methods, law] = match order {
-                2.0 => ["a Runge–Kutta method of order 1".to_owned(), power_of_h(2.0)],
-                k if k.fract() == 0.0 => [
+                k if k.fract() == 0.0 && k % 2.0 == 0.0 && k > 2.0 => [
                     format!("a Runge–Kutta method of order {} or {}", k - 2.0, k - 1.0),
+                    power_of_h(k),
+                ],
+                k if k.fract() == 0.0 => [
+                    format!("a Runge–Kutta method of order {}", k - 1.0),
                     power_of_h(k),
                 ],
                 _ => [

@@ -391,7 +391,7 @@ mod tests {
                 "1.0e-4",
             ),
             (Undecided, &symplectic, Agreement::LoopsUndecided, "jumps"),
-            (Undecided, &not, Agreement::OnlyJacobianDecides, "proof"),
+            (Undecided, &not, Agreement::OnlyJacobianDecides, "proves"),
         ];
         for (kind, evidence, agreement, words) in cases {
             let digits = (kind == Symplectic).then_some(11.0);

@@ -25,7 +25,7 @@ use crate::jacobian::JacobianDecay;
 use crate::rules::Defect;
 use crate::signal::SIGNIFICANT;
 
-/// Reaches the verdict. Pure: the same evidence gives the same verdict, from any source.
+/// Computes the verdict. Pure: the same evidence gives the same verdict, from any source.
 ///
 /// A symplectic map conserves the loop integral of every closed loop exactly, at every step size. So one
 /// significant defect proves that a map is not symplectic, and so does one break; the absence of both bounds the

@@ -1,4 +1,4 @@
-//! The verdict: what the evidence says, and when it says nothing.
+//! The verdict, computed from the evidence.
 //!
 //! [`judge`] is the only place where anything is concluded. It calls no map.
 

@@ -233,7 +233,7 @@ fn every_map_that_is_not_symplectic_gets_advice() {
     });
     for (map, words) in [
         (&euler as &dyn TimeAdvance, "Runge–Kutta method of order 1,"),
-        (&midpoint, "Runge–Kutta method of order 1 or 2"),
+        (&midpoint, "Runge–Kutta method of order 2,"),
     ] {
         let found = verdict(map, &[0.3], &[0.4], 0.5);
         assert_eq!(found.kind, VerdictKind::NotSymplectic);

@@ -15,7 +15,7 @@ use symplint::verdict::{
     Advice, BoundFinding, BreakFinding, CauseKind, ChangeFinding, DomainFinding, Finding, Growth,
     MapFinding, RunFinding, SampleFinding, Step, Verdict,
 };
-use symplint::{Defect, VerdictKind, judge};
+use symplint::{Circle, Defect, Diagnostic, PerSample, VerdictKind, judge};
 
 const JUMP: Break = Break {
     s: 0.25,
@@ -1074,7 +1074,7 @@ fn what_many_steps_do_follows_from_four_numbers() {
     assert_eq!(growth(100, 100, 1e-3, 1.7e-3, 0.9e-3).0, Growth::Undecided);
     assert_eq!(growth(100, 100, 1e-3, 1.9e-3, 0.1e-3).0, Growth::Undecided);
     let (_, text) = growth(1000, 22, 1e-3, 4e-3, 0.0);
-    assert!(text.contains("of the 1000 that were asked for"), "{text}");
+    assert!(text.contains("After step 22 of 1000"), "{text}");
     let (_, text) = growth(1000, 0, 0.0, 0.0, 0.0);
     assert!(
         text.contains("after one step already, 64 samples"),
@@ -1159,6 +1159,23 @@ fn advice_on_a_weak_bound_follows_what_makes_it() {
     assert_eq!(advice(1.0, 1.1e-3, true), Advice::MoreDigits);
     assert_eq!(advice(1.0, 1.1e-3, false), Advice::LargerLoop);
     assert_eq!(advice(1.0, 0.9e-3, false), Advice::MoreSamplesOrSmallerLoop);
+}
+
+#[test]
+fn a_tiny_loop_far_from_the_origin_gets_larger() {
+    let step = PerSample::new(1, |h, q, p| {
+        p[0] -= h * q[0].sin();
+        q[0] += h * p[0];
+    });
+    let with_radius = |radius: f64| {
+        let circle = Circle::new(vec![1.0], vec![0.5], radius).unwrap();
+        Diagnostic::halving(-1, -3).run(&step, &circle).unwrap()
+    };
+    let verdict = with_radius(1e-12).verdict;
+    assert_eq!(verdict.kind, VerdictKind::Undecided);
+    assert_eq!(verdict.advice[..], [Advice::LargerLoop]);
+    // The advice helps.
+    assert_eq!(with_radius(1e-6).verdict.kind, VerdictKind::Symplectic);
 }
 
 #[test]

@@ -313,7 +313,7 @@ fn what_proves_nothing_is_undecided() {
     undecided(&before, std::slice::from_ref(&before), "or not at all");
     undecided(&before, &after, "advances the motions on a loop by only");
     let (few, after) = snapshots(leapfrog, &circle(1.0, 0.5), 16, &[0.5], |_, _| {});
-    undecided(&few, &after, "16 samples do not show");
+    undecided(&few, &after, "16 samples are too few");
     // A half circle is not a loop.
     let half = |ensemble: &Ensemble| {
         let mut half = Ensemble::zeros(1, ensemble.samples() / 2);

@@ -44,6 +44,7 @@ impl Runner<'_> {
                 subject.evaluator.stated(self.largest),
                 subject.phase_loop,
                 shown,
+                subject.coordinates(),
             )
         });
         self.evidence.survey.one_state = seen.one_state;

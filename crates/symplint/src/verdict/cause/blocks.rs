@@ -53,8 +53,19 @@ impl Clues<'_> {
         ))
     }
 
-    /// The part of the step that the blocks of the defect show.
+    /// The part of the step that the blocks of the defect show, unless loops name a substep: a defect within one degree of freedom has the
+    /// blocks of friction and of old values, whatever makes it.
     pub(super) fn part_of_step(&self) -> Option<Cause> {
+        self.part_by_blocks().filter(|cause| {
+            let is_vague = matches!(
+                cause.kind,
+                CauseKind::PartialFriction | CauseKind::FewIterations
+            );
+            !is_vague || self.substep().is_none()
+        })
+    }
+
+    fn part_by_blocks(&self) -> Option<Cause> {
         let blocks = self.evidence.jacobian.as_ref()?.blocks.as_ref()?;
         let slope = self.slope_of_blocks();
         let of_model = slope.is_none_or(|slope| slope < OF_A_MODEL);
@@ -105,8 +116,8 @@ impl Clues<'_> {
             CauseKind::PartialFriction => {
                 format!("The step {verb} with friction, or another change of p that depends on p, or of q on q")
             }
-            _ => "Stages may use old values of each other, as in explicit Runge–Kutta methods, and in implicit methods after one to \
-                  three fixed-point iterations, or momenta are rescaled"
+            _ => "Stages may use old values of each other, as with a force at old positions, in explicit Runge–Kutta methods, and in \
+                  implicit methods after one to three fixed-point iterations, or momenta are rescaled"
                 .to_owned(),
         };
         let text = format!(
@@ -167,8 +178,9 @@ fn remedy(kind: CauseKind) -> &'static str {
              steps that differ from particle to particle look the same. With friction on purpose, the step is not symplectic."
         }
         _ => {
-            "Iterate until the stages are solved to rounding error. If the method is an explicit Runge–Kutta method, use a symplectic \
-             one of its order, such as a splitting. If the step rescales momenta, to keep the energy or a temperature, leave that out."
+            "In a splitting such as the leapfrog method, each kick needs the force at the newest positions, and each drift the newest \
+             momenta. An implicit method has to iterate until its stages are solved to rounding error. In place of an explicit \
+             Runge–Kutta method, use a symplectic one of its order, such as a splitting. If the step rescales momenta, to keep the energy or a temperature, leave that out."
         }
     }
 }

@@ -282,6 +282,7 @@ impl Clues<'_> {
         } else {
             ""
         };
+        let follows = if q_jumps { " (q follows)" } else { "" };
         let (text, remedy) = match opposite_pairs(&kicked, sides) {
             Some(pairs) => {
                 let names: Vec<String> = (pairs.iter())
@@ -301,13 +302,14 @@ impl Clues<'_> {
             }
             None => {
                 let others = match sides.jumping_p {
+                    0 | 1 if q_jumps => "jumps".to_owned(),
                     0 | 1 => "alone jumps".to_owned(),
                     2 => "and another momentum jump".to_owned(),
                     count => format!("and {} other momenta jump", count - 1),
                 };
                 (
                     format!(
-                        "{} {others}{law}, here by {}{}: a force jumps there, as between cells, at a cut-off or at a switch.",
+                        "{} {others}{law}{follows}, here by {}{}: a force jumps there, as between cells, at a cut-off or at a switch.",
                         name(first),
                         significant(first.jump()),
                         where_it_jumps(sides)
@@ -420,9 +422,15 @@ fn where_it_jumps(sides: &BreakSides) -> String {
         sides.step_size.unwrap_or(0.0),
     );
     let drifted = |part: f64| move |at: &PositionAtBreak| at.before + part * h * at.velocity;
+    let least = EQUAL * q.radius;
+    // The stages of a method jump at different positions: breaks of another stage move q, and this one does not, or the reverse.
+    let of_this_stage =
+        |at: &&PositionAtBreak| (at.jump_q.abs() > least) == (first.jump_q.abs() > least);
     // Where splittings and Runge–Kutta methods evaluate forces.
     let each = |of: &dyn Fn(&PositionAtBreak) -> f64| -> Vec<f64> {
-        sides.places.iter().map(of).collect()
+        (sides.places.iter().filter(of_this_stage))
+            .map(of)
+            .collect()
     };
     let candidates = [
         (each(&|at| at.before), name.clone(), "before"),
@@ -434,7 +442,6 @@ fn where_it_jumps(sides: &BreakSides) -> String {
         ),
         (each(&drifted(1.0)), format!("{name} + h·{of_p}"), "before"),
     ];
-    let least = EQUAL * q.radius;
     for (values, expression, when) in candidates {
         let Some(width) = spacing(&values, least) else {
             continue;

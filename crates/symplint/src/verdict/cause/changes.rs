@@ -98,8 +98,8 @@ impl Clues<'_> {
             CauseKind::Substep,
             finding.to_string(),
             format!(
-                "Look at {which} for friction, a force that is not a gradient (`check_force`) and momenta that are not canonical, and check \
-                 {them} alone, as a map without other substeps."
+                "Look at {which} for friction, a wrong or rounded coefficient, a force that is not a gradient (`check_force`) and momenta \
+                 that are not canonical, and check {them} alone, as a map without other substeps."
             ),
         ))
     }

@@ -49,12 +49,12 @@ impl Clues<'_> {
                 "Give p in the order of q: as many p[i] as q[i] names here",
             ),
             CauseKind::KineticMomenta if form.varies() => (
-                "p are kinetic momenta in a magnetic field that varies with q",
+                "p may be kinetic momenta in a magnetic field that varies with q",
                 form.field_setting(),
                 "Give the canonical momenta p = m v + e A(q), here",
             ),
             CauseKind::KineticMomenta => (
-                "p are kinetic momenta in a uniform magnetic field, or velocities in a rotating frame",
+                "p may be kinetic momenta in a uniform magnetic field, or velocities in a rotating frame",
                 form.field_setting(),
                 "Give the canonical momenta, or this form for the step of z = (q, p)",
             ),
@@ -102,6 +102,10 @@ impl Clues<'_> {
         let otherwise = match kind {
             CauseKind::VelocitiesForMomenta | CauseKind::SignOfAPair => {
                 " Otherwise, test the force with `check_force`: a coupling with a wrong sign or factor looks the same."
+            }
+            CauseKind::KineticMomenta if form.step_size.is_some() => {
+                " A field does not depend on h. If a smaller step halves these numbers with h, there is no field: two kicks or drifts of the \
+                 step differ, as with a mass that one of them forgets."
             }
             _ => "",
         };

@@ -176,7 +176,9 @@ impl Cause {
     fn clipped(states: &str, coordinate: char, dof: usize) -> Self {
         let name = format!("{coordinate}[{dof}]");
         let instead = match coordinate {
-            'q' => ", or reflect the particle instead (q → 2·wall − q, p → −p)",
+            'q' => {
+                ". A wall that reflects particles (q → 2·wall − q, p → −p) keeps their area, but still breaks loops that reach it"
+            }
             _ => "",
         };
         Cause::new(

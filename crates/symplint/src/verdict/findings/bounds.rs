@@ -181,8 +181,8 @@ impl Display for BoundFinding {
                 step,
             } => write!(
                 f,
-                "Neighbouring samples of {} are {} cells of the map's grid (or half periods) apart {step}: they do not \
-                 resolve it.",
+                "Neighbouring samples of {} are {} cells of the map's grid (or half periods) apart {step}, so they do not \
+                 resolve the loop.",
                 loop_name(*loop_index),
                 short(*cells_apart)
             ),
@@ -191,7 +191,7 @@ impl Display for BoundFinding {
                  the loop's size.",
             ),
             BoundFinding::RandomLoopsFail => {
-                f.write_str("The map fails on every random loop of the given one's size.")
+                f.write_str("The map fails on every random loop of the size of your loop.")
             }
             BoundFinding::NoRandomLoop => f.write_str(
                 "The budget was too small for more than your loop, and a symmetric loop can hide a defect.",
@@ -276,7 +276,7 @@ fn group(
         None => f.write_str("no loop bounds its defect")?,
     }
     match by_jacobian {
-        Some(bound) => write!(f, ", and ≤ {bound:.1e} by the Jacobian."),
+        Some(bound) => write!(f, "; the Jacobian bounds it by {bound:.1e}."),
         None => f.write_str("."),
     }
 }

@@ -129,13 +129,13 @@ impl Display for BreakFinding {
                     (false, Some(bend)) => write!(
                         f,
                         "With its breaks closed by straight segments the integral of {name} differs by {change} {step}. This \
-                         does not count: q and p of a degree of freedom jump together, and other curves across the \
+                         is no evidence: q and p of a degree of freedom jump together, and other curves across the \
                          breaks contribute about as much as {bend:.1e}."
                     ),
                     (true, _) => write!(
                         f,
-                        "With its breaks closed{by_chords} the integral of {name} differs by {change} {step}. This does \
-                         not count: without substeps, the curve that closes a break is not known."
+                        "With its breaks closed{by_chords} the integral of {name} differs by {change} {step}. This is \
+                         no evidence: the curve that closes a break is not known, because the substeps are not."
                     ),
                 }
             }

@@ -105,7 +105,7 @@ impl Display for ChangeFinding {
                 let law = fit.as_ref().map_or(String::new(), |fit| format!(", {}", law(fit)));
                 write!(
                     f,
-                    "The map changes a loop integral by {} {step}{law}.",
+                    "The map changes loop integrals by up to {} {step}{law}.",
                     two_digits(*defect)
                 )
             }
@@ -178,8 +178,8 @@ impl Display for ChangeFinding {
                 wound,
             } => write!(
                 f,
-                "{} winds around {}, cannot be contracted, and is also conserved to {bound:.1e}: no sign that the map is \
-                 not exact around this period.",
+                "{} winds around {}, and cannot be contracted. Its integral is also conserved, to {bound:.1e}: the map appears to be \
+                 exact around this period.",
                 capitalised(&loop_name(*loop_index)),
                 periods(wound)
             ),

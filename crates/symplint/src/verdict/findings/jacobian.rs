@@ -102,7 +102,7 @@ impl Display for Agreement {
             }
             Agreement::BreaksAlone => {
                 "Both are right: a map that breaks loops can have a symplectic Jacobian almost \
-                 everywhere, as derivatives do not detect jumps. The jumps alone change the loop integral."
+                 everywhere, as derivatives do not detect jumps. Only the jumps break loops."
             }
             Agreement::BelowBoundOfLoops { bound } => {
                 return write!(
@@ -132,12 +132,12 @@ impl Display for Agreement {
                 return write!(f, "{text}. Try more points and more samples.");
             }
             Agreement::OnlyJacobianDecides => {
-                "The loops do not decide; a significant defect of the Jacobian is proof that the map is not \
-                 symplectic."
+                "The loops are not enough for a verdict, but a significant defect of the Jacobian proves that the map is \
+                 not symplectic."
             }
             Agreement::LoopsUndecided => {
-                "The loops do not decide, and derivatives do not detect jumps: follow the advice of the \
-                 loops' verdict."
+                "The loops are not enough for a verdict, and derivatives do not detect jumps. Follow the advice \
+                 below."
             }
             Agreement::JacobianUndecided => "The verdict rests on the loops only.",
         })

@@ -8,7 +8,7 @@ use super::Step;
 use crate::evidence::{Sector, SubstepDefect};
 use crate::jacobian::{BlockDefects, DefectBlocks};
 use crate::signal::SIGNIFICANT;
-use crate::text::{one_digit, two_digits};
+use crate::text::{one_digit, significant, two_digits};
 
 /// The origin of a defect.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -153,9 +153,11 @@ fn fmt_sectors(f: &mut Formatter<'_>, sectors: &[Sector], step: &Step) -> Result
     if share >= LARGE_SHARE {
         write!(
             f,
-            "Of {count} sectors of the disc within the loop, that from s = {} to {} changes most {step}: by \
+            "Of {count} sectors of the disc within the loop, the one from s = {} to {} changes most {step}: by \
              {:+.2e}, {percent}% of the sum of all absolute changes.",
-            largest.from, largest.to, largest.change
+            significant(largest.from),
+            significant(largest.to),
+            largest.change
         )
     } else {
         write!(

@@ -77,13 +77,20 @@ impl Display for MapFinding {
                  more. No random loop winds around it. Correct the period, or leave it out.",
                 wrong.period, wrong.coordinate, wrong.dof, wrong.difference
             ),
-            MapFinding::Regularity { exponent, step } => write!(
-                f,
-                "{} your advanced loop is in H^{exponent:.1}, by the decay of its Fourier coefficients: it has {}, or slopes that \
-                 the samples do not resolve.",
-                capitalised(&step.to_string()),
-                roughness(*exponent).unwrap_or("no derivative that jumps")
-            ),
+            MapFinding::Regularity { exponent, step } => {
+                write!(
+                    f,
+                    "{} your advanced loop is in H^{exponent:.1}, by the decay of its Fourier coefficients",
+                    capitalised(&step.to_string())
+                )?;
+                match roughness(*exponent) {
+                    Some(roughness) => write!(
+                        f,
+                        ": it has {roughness}, or slopes that the samples do not resolve."
+                    ),
+                    None => f.write_str("."),
+                }
+            }
             MapFinding::LittleMotion { motion, group } => little_motion(f, motion, *group),
             MapFinding::Moves {
                 motion,

@@ -161,13 +161,13 @@ pub enum StepRange {
 }
 
 impl Display for Step {
-    /// `at h = 2^-1`, `in one application`, `after the step`, `in the states number 2`.
+    /// `at h = 2^-1`, `in one application`, `after the step`, `in image 2`.
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         match self {
             Step::Size(h) => write!(f, "at h = {}", size(*h)),
             Step::Map => f.write_str("in one application"),
             Step::Only => f.write_str("after the step"),
-            Step::Number(number) => write!(f, "in the states number {number}"),
+            Step::Number(number) => write!(f, "in image {number}"),
         }
     }
 }

@@ -85,14 +85,14 @@ fn fmt_long_time(f: &mut Formatter<'_>, found: &LongTime, growth: Growth) -> Res
         Growth::None => write!(f, "No defect adds up in {steps} steps.")?,
         Growth::Bounded => write!(
             f,
-            "In {steps} steps the defect stays bounded, {early:.1e} in the first quarter and {late:.1e} in the \
-             last, and returns to {least:.1e}. Methods that are conjugate to a symplectic one do this."
+            "In {steps} steps the defect stays bounded: it reaches {early:.1e} in the first quarter and {late:.1e} in the \
+             last, and falls back to {least:.1e}. Methods that are conjugate to a symplectic one do this."
         )?,
         Growth::Grows => {
             let law = exponent.map_or(String::new(), |exponent| match exponent {
-                0.35..0.65 => " like √n".to_owned(),
-                0.85..1.15 => " like n".to_owned(),
-                _ => format!(" like n^{exponent:.1}"),
+                0.35..0.65 => " in proportion to √n".to_owned(),
+                0.85..1.15 => " in proportion to n".to_owned(),
+                _ => format!(" in proportion to n^{exponent:.1}"),
             });
             write!(
                 f,
@@ -110,14 +110,13 @@ fn fmt_long_time(f: &mut Formatter<'_>, found: &LongTime, growth: Growth) -> Res
         }
         Growth::Undecided => write!(
             f,
-            "In {steps} steps it is unclear whether the defect accumulates."
+            "{steps} steps do not show whether the defect accumulates."
         )?,
     }
     if steps < asked {
         write!(
             f,
-            " Later steps, of the {asked} that were asked for, fold the loop too finely for {samples} samples. Take a smaller loop or \
-             more samples."
+            " After step {steps} of {asked}, the loop is folded too finely for {samples} samples. Take a smaller loop or more samples."
         )?;
     }
     Ok(())

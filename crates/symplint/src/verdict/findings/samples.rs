@@ -156,7 +156,7 @@ impl Display for SampleFinding {
             } => match too_few {
                 true => write!(
                     f,
-                    "{samples} samples do not show whether a loop is smooth; {} can: its integral is not known.",
+                    "The integral of the loop is not known: {samples} samples are too few to show whether a loop is smooth. Give {} or more.",
                     crate::evidence::FEWEST_SAMPLES
                 ),
                 false => write!(

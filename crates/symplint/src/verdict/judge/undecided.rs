@@ -24,9 +24,19 @@ impl Case<'_> {
         decision.advice = advice;
         // If the budget is missing, the rest of the advice follows it.
         if let Some(more) = self.wants_evaluations() {
-            decision.advice.insert(0, more);
+            decision
+                .advice
+                .insert(0, self.smaller_steps().unwrap_or(more));
         }
         decision
+    }
+
+    /// Samples do not resolve a loop that a step spreads out that far, however many they are.
+    fn smaller_steps(&self) -> Option<Advice> {
+        let (motion, step_size) = self.strongest_motion()?;
+        let deformation = motion.deformation;
+        (step_size.is_some() && deformation > MOST_DEFORMATION)
+            .then_some(Advice::SmallerSteps { deformation })
     }
 
     /// The map projects onto a manifold, and only what leaves the manifold has a defect.
@@ -301,7 +311,12 @@ impl Case<'_> {
             let motion = motion.unwrap_or_default();
             let deformation = motion.deformation;
             let is_rounded = self.evidence.survey.is_rounded();
-            let roundoff = step.defect.roundoff > 0.5 * step.defect.uncertainty();
+            let uncertainty = step.defect.uncertainty();
+            // Of a small loop far from the origin, states have few digits, and the quadrature shows the rounding of each.
+            let of_jacobian = self.evidence.jacobian.as_ref();
+            let is_noise =
+                !is_rounded && of_jacobian.is_some_and(|of| SIGNIFICANT * of.noise >= uncertainty);
+            let roundoff = step.defect.roundoff > 0.5 * uncertainty || is_noise;
             let because = Finding::Bounds(BoundFinding::WeakBound {
                 bound: step.bound(),
                 step: self.name(found, step),

@@ -139,7 +139,7 @@ fn forces_that_jump_are_named_with_the_place() {
     });
     let found = verdict(&kick_first, &[0.1], &[0.1], 0.6);
     let words = [
-        "p[0] alone jumps in proportion to h",
+        "p[0] jumps in proportion to h (q follows)",
         "multiples of 0.25 in q[0] before",
     ];
     cause(&found, CauseKind::ForceJump, &words);
@@ -164,6 +164,19 @@ fn forces_that_jump_are_named_with_the_place() {
         &found,
         CauseKind::ForceJump,
         &["at q[0] = 0.3 before the step:"],
+    );
+    // Two evaluations of the force: in the second one, at the middle of the step, the momentum alone jumps.
+    let midpoint = PerSample::new(1, |h, q, p| {
+        let force = |q: f64| -q.signum();
+        let (q_half, p_half) = (q[0] + 0.5 * h * p[0], p[0] + 0.5 * h * force(q[0]));
+        p[0] += h * force(q_half);
+        q[0] += h * p_half;
+    });
+    let found = verdict(&midpoint, &[0.0], &[0.0], 1.0);
+    cause(
+        &found,
+        CauseKind::ForceJump,
+        &["p[0] alone jumps", "at q[0] + h/2·p[0] = 0 before the step"],
     );
 }
 

@@ -304,7 +304,7 @@ fn of_findings() {
                     roundoff,
                 }),
                 Finding::Samples(SampleFinding::UnknownIntegral {
-                    samples: 32,
+                    samples: 16,
                     step: third,
                     too_few,
                 }),
