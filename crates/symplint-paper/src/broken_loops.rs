@@ -164,7 +164,7 @@ fn figure(particles: usize, rows: &[Row]) -> Figure {
             title: format!("{integrator}, linear splines, Nₚ = {particles}"),
             x: step_axis(),
             y: Axis {
-                range: Some((1e-18, 1.0)),
+                range: Some((1e-18, 100.0)),
                 ..error_axis()
             },
             series: all,
