@@ -292,12 +292,13 @@ def numpyro(integrator):
 
 SPLITTING = "symplectic: splitting method"
 ADAPTIVE = "not symplectic: chooses its steps"
+CONVERGED = "symplectic to many digits: chooses its steps, with a small tolerance"
 RUNGE_KUTTA = "not symplectic: explicit Runge–Kutta"
 
 # The package that `pip` installs: the functions, and for each method what theory says.
 PACKAGES = {
     "rebound": [
-        (rebound, dict.fromkeys(("whfast", "leapfrog", "saba"), SPLITTING) | dict.fromkeys(("ias15", "bs"), ADAPTIVE))
+        (rebound, dict.fromkeys(("whfast", "leapfrog", "saba"), SPLITTING) | dict.fromkeys(("ias15", "bs"), CONVERGED))
     ],
     "scipy": [(scipy, dict.fromkeys(("RK45", "DOP853", "Radau", "LSODA"), ADAPTIVE))],
     "ase": [(ase, {"VelocityVerlet": SPLITTING})],
@@ -307,7 +308,7 @@ PACKAGES = {
             "LeapfrogIntegrator": SPLITTING,
             "Ruth4Integrator": SPLITTING,
             "RK5Integrator": RUNGE_KUTTA,
-            "DOPRI853Integrator": ADAPTIVE,
+            "DOPRI853Integrator": CONVERGED,
         })
     ],
     "galpy": [

@@ -300,7 +300,7 @@ def test_many_steps_tell_whether_a_defect_adds_up():
     assert abs(found["change"] - expected) < 1e-12
     assert abs(found["predicted"][0] - expected) < 1e-12
     assert abs(found["exponent"] - 1) < 0.03
-    assert any("adds up like n, " in sentence for sentence in report.sentences)
+    assert any("adds up in proportion to n, " in sentence for sentence in report.sentences)
     assert report.evaluations < 20_000 + 512 * 200
     with pytest.raises(symplint.InputError, match="steps"):
         symplint.check(damped, 0.3, 0.2, steps=-1)

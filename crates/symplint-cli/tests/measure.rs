@@ -467,7 +467,7 @@ fn a_loop_that_did_not_move_is_undecided() {
     let exchange = Exchange::new("64");
     let output = symplint(exchange.path(), &["measure", "before.npz", "before.csv"]);
     assert_eq!(status(&output), 3);
-    assert!(text(&output.stdout).contains("or not at all"));
+    assert!(text(&output.stdout).contains("moved no state"));
 }
 
 #[test]

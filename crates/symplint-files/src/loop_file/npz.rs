@@ -112,7 +112,12 @@ pub fn read(path: &Path, fewest: usize) -> Result<LoopFile, LoopFileError> {
         .metadata()
         .map_err(|error| unreadable(error.to_string()))?;
     let bytes = bytes.len();
-    let zip = ZipArchive::new(file).map_err(|error| unreadable(error.to_string()))?;
+    let zip = ZipArchive::new(file).map_err(|error| {
+        unreadable(match bytes {
+            0 => "the file is empty".to_owned(),
+            _ => format!("it is cut off, or is not an npz file ({error})"),
+        })
+    })?;
     let mut archive = Archive { path, bytes, zip };
     // ∮ ϑ·dz of non-canonical coordinates is ∮ p·dq with q = z and p = ϑ.
     let (q, p) = match archive.optional("theta", Accept::Floats)? {

@@ -384,7 +384,8 @@ fn checked(
     block: &Block<'_>,
 ) -> Result<(), Error> {
     advanced.map_err(|failure| Error::StepFailed {
-        at: StateAt::Sample(first + failure.sample),
+        // A map may name a sample that the block does not have.
+        at: StateAt::Sample(first + failure.sample.min(block.len().saturating_sub(1))),
         step_size: h,
         reason: failure.reason,
     })?;

@@ -344,13 +344,14 @@ fn look_for_cause(order: Option<f64>) -> String {
             };
             format!(
                 "Check the method: {methods}, for example, changes loop integrals in proportion to {law}. Use a symplectic method of \
-                 the same order. If the method is symplectic, look for a solver or a force that is less accurate than the step (a \
-                 force that is not a gradient: `check_force`)."
+                 the same order. If the method is symplectic, look for a solver or a force that is less accurate than the step. With \
+                 several degrees of freedom, test the force (`check_force` in Python and C)."
             )
         }
         Some(order) if order > 0.0 => {
             "Look for friction, a force that is not a gradient (`check_force`), momenta that are not canonical (velocities: \
-             `weight`; a magnetic field), and for the explicit Euler method."
+             `weight`, or `mass_matrix` if masses depend on q; p = γ m v; a magnetic field), steps of different lengths for different \
+             states, and for the explicit Euler method."
                 .to_owned()
         }
         _ => {

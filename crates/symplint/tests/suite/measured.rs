@@ -310,7 +310,7 @@ fn what_proves_nothing_is_undecided() {
         assert!(!verdict.advice.is_empty());
     };
     let (before, after) = snapshots(leapfrog, &circle(1.0, 0.5), 256, &[1e-3], |_, _| {});
-    undecided(&before, std::slice::from_ref(&before), "or not at all");
+    undecided(&before, std::slice::from_ref(&before), "moved no state");
     undecided(&before, &after, "advances the motions on a loop by only");
     let (few, after) = snapshots(leapfrog, &circle(1.0, 0.5), 16, &[0.5], |_, _| {});
     undecided(&few, &after, "16 samples are too few");

@@ -121,13 +121,17 @@ impl<'a> Runner<'a> {
     /// Measures the given loop, and checks the map, at the largest step size that the map can take.
     ///
     /// # Errors
-    /// Any error but those of the map at some of the step sizes. If the map fails at all of them, the error of the largest.
+    /// Any error but those of the map at some of the step sizes. If the map fails at all of them, or at the largest and the smallest, the
+    /// error of the largest.
     pub(super) fn begin<'s>(&mut self, subject: Subject<'s>) -> Result<GivenLoop<'s>, Error> {
         loop {
             match self.try_largest(subject) {
                 // The map need not be able to take every step.
                 Err(error) if error.is_of_map() => {
                     (self.watch)(Event::Failed(&error));
+                    if self.failed.is_empty() && self.fails_at_smallest(subject)? {
+                        return Err(error);
+                    }
                     let h = self.largest;
                     self.failed.push(FailedStep { h, error });
                     self.largest = largest_of(self.sizes());
@@ -149,6 +153,22 @@ impl<'a> Runner<'a> {
                 }
                 begun => return begun,
             }
+        }
+    }
+
+    /// Whether the map fails at the smallest step size too, by one state: a program that hangs would spend its time limit at each size.
+    fn fails_at_smallest(&mut self, subject: Subject<'_>) -> Result<bool, Error> {
+        let smallest = self.sizes().min_by(|a, b| a.abs().total_cmp(&b.abs()));
+        let Some(h) = smallest.filter(|h| *h != self.largest) else {
+            return Ok(false);
+        };
+        let image = self.counted(Check::GivenLoop, |_| {
+            subject.evaluator.image(subject.phase_loop, h, &[0.0])
+        });
+        match image {
+            Err(error) if error.is_of_map() => Ok(true),
+            Err(Error::BudgetSpent { .. }) => Ok(false),
+            image => image.map(|_| false),
         }
     }
 

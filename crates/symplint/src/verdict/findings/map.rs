@@ -213,7 +213,10 @@ fn beyond(f: &mut Formatter<'_>, reach: &Reach, more: bool) -> Result {
 
 fn little_motion(f: &mut Formatter<'_>, motion: &Motion, group: Option<usize>) -> Result {
     if motion.deformation == 0.0 {
-        f.write_str("The step moved all states of the loop by the same amount, or not at all.")
+        f.write_str(match motion.moves {
+            true => "The step moved all states of the loop by the same amount.",
+            false => "The step moved no state of the loop.",
+        })
     } else if motion.shear {
         write!(
             f,
