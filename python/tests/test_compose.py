@@ -125,7 +125,7 @@ def test_the_wrong_entry_of_a_linear_element_is_named_and_not_friction():
     angle = 0.3
     focus = [np.cos(angle), np.sin(angle), -np.sin(angle), np.cos(angle)]
     defocus = [np.cosh(angle), np.sinh(angle), np.sinh(angle), np.cosh(angle)]
-    # The sine in place of the hyperbolic sine.
+    # The sine instead of the hyperbolic sine.
     wrong = [np.cosh(angle), np.sin(angle), np.sinh(angle), np.cosh(angle)]
     parts = [("QF", element(focus, defocus)), ("QF wrong", element(focus, wrong)), ("QD", element(defocus, focus))]
     report = symplint.check(None, [0.0, 0.0], [0.0, 0.0], substeps=parts, step_sizes="none")

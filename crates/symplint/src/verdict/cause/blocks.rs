@@ -179,8 +179,9 @@ fn remedy(kind: CauseKind) -> &'static str {
         }
         _ => {
             "In a splitting such as the leapfrog method, each kick needs the force at the newest positions, and each drift the newest \
-             momenta. An implicit method has to iterate until its stages are solved to rounding error. In place of an explicit \
-             Runge–Kutta method, use a symplectic one of its order, such as a splitting. If the step rescales momenta, to keep the energy or a temperature, leave that out."
+             momenta. An implicit method has to iterate until its stages are solved to rounding error. Instead of an explicit \
+             Runge–Kutta method, use a symplectic one of its order, such as a splitting. If the step rescales momenta, to keep the \
+             energy or a temperature, leave that out."
         }
     }
 }

@@ -129,13 +129,13 @@ impl Display for BreakFinding {
                     (false, Some(bend)) => write!(
                         f,
                         "With its breaks closed by straight segments the integral of {name} differs by {change} {step}. This \
-                         is no evidence: q and p of a degree of freedom jump together, and other curves across the \
+                         does not count as evidence: q and p of a degree of freedom jump together, and other curves across the \
                          breaks contribute about as much as {bend:.1e}."
                     ),
                     (true, _) => write!(
                         f,
-                        "With its breaks closed{by_chords} the integral of {name} differs by {change} {step}. This is \
-                         no evidence: the curve that closes a break is not known, because the substeps are not."
+                        "With its breaks closed{by_chords} the integral of {name} differs by {change} {step}. This \
+                         does not count as evidence: the curve that closes a break is not known, because the substeps are not."
                     ),
                 }
             }
