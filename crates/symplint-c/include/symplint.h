@@ -164,7 +164,7 @@ typedef struct {
    */
   const double *period;
   /**
-   * Period of each momentum, 0 for none; or NULL. Loops must not wind round such a torus: the integral has no value there.
+   * Period of each momentum, 0 for none; or NULL. Loops must not wind round such a torus, because ∮ p·dq has no unique value there.
    */
   const double *momentum_period;
   /**

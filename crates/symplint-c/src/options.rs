@@ -36,7 +36,7 @@ pub struct SymplintOptions {
     pub radius_p: *const f64,
     /// Period of each position, 0 for none; or NULL.
     pub period: *const f64,
-    /// Period of each momentum, 0 for none; or NULL. Loops must not wind round such a torus, because ∮ p·dq has no unique value on them.
+    /// Period of each momentum, 0 for none; or NULL. Loops must not wind round such a torus, because ∮ p·dq has no unique value there.
     pub momentum_period: *const f64,
     /// Weight of each momentum, canonical momentum = weight * p; or NULL.
     pub weight: *const f64,
