@@ -306,7 +306,9 @@ pub fn trace_figures(
 
 #[cfg(test)]
 mod tests {
-    use symplint::{Circle, Diagnostic, PerSample};
+    use std::f64::consts::TAU;
+
+    use symplint::{Circle, Coordinates, Diagnostic, PerSample};
 
     use super::*;
 
@@ -360,6 +362,38 @@ mod tests {
             breaks.iter().all(|point| point.0.abs() < 0.01),
             "{breaks:?}"
         );
+    }
+
+    #[test]
+    fn a_loop_of_a_periodic_map_is_drawn_whole_and_near_the_loop_before() {
+        let wrapped = PerSample::new(1, |h, q, p| {
+            p[0] -= h * q[0].sin();
+            q[0] = (q[0] + h * p[0]).rem_euclid(TAU);
+        })
+        .with_coordinates(Coordinates::plain(1).with_periods(vec![TAU]).unwrap())
+        .unwrap();
+        let circle = Circle::new(vec![0.0], vec![0.3], 1.0).unwrap();
+        let diagnosis = Diagnostic::halving(-1, -3).run(&wrapped, &circle).unwrap();
+        let figure = drawn("wrapped", &diagnosis);
+        let [before, after] = [0, 1].map(|k| &figure.panels[0].series[k].points);
+        let near = |a: &(f64, f64), b: &(f64, f64)| (a.0 - b.0).abs() < 1.0;
+        assert!(after.windows(2).all(|pair| near(&pair[0], &pair[1])));
+        assert!(before.iter().zip(after).all(|(a, b)| near(a, b)));
+    }
+
+    #[test]
+    fn the_uncertainty_of_all_loops_is_drawn() {
+        let step = PerSample::new(1, |h, q, p| {
+            p[0] -= h * q[0].sin();
+            q[0] += h * p[0];
+        });
+        let circle = Circle::new(vec![0.0], vec![0.3], 1.0).unwrap();
+        let diagnosis = Diagnostic::halving(-1, -3).run(&step, &circle).unwrap();
+        let drawn: Vec<f64> =
+            defects_of(&step_sizes("pendulum", &diagnosis), "uncertainty").collect();
+        let points = diagnosis.points();
+        let largest = points.iter().map(uncertainty_at).fold(0.0, f64::max);
+        assert!(drawn.contains(&largest), "{largest:e}: {drawn:?}");
     }
 
     #[test]

@@ -161,7 +161,8 @@ fn bars(caption: &str, what: &str, rows: &[Bar]) -> String {
     scrolling(
         caption,
         &format!(
-            "<thead><tr><th scope=\"col\">{what}</th><th scope=\"col\">change</th><th scope=\"col\">{UNCERTAINTY}</th>{breaks}{bar}</tr></thead>\n<tbody>\n{rows}</tbody>"
+            "<thead><tr><th scope=\"col\">{what}</th><th scope=\"col\">change</th><th scope=\"col\">{UNCERTAINTY}</th>{breaks}{bar}\
+             </tr></thead>\n<tbody>\n{rows}</tbody>"
         ),
     )
 }
