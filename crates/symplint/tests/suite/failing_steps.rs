@@ -49,6 +49,21 @@ fn the_summary_tells_at_how_many_step_sizes_the_map_failed() {
 }
 
 #[test]
+fn a_step_that_fails_at_the_largest_and_the_smallest_size_is_not_tried_at_others() {
+    let tried = std::sync::Mutex::new(Vec::new());
+    let fails = step(|h, q, _| {
+        tried.lock().unwrap().push(h);
+        *q = f64::NAN;
+    });
+    let error = run(&fails, 1.0).unwrap_err();
+    assert!(error.to_string().contains("h = 0.5"), "{error}");
+    let tried = tried.lock().unwrap();
+    assert!(!tried.contains(&0.25), "{tried:?}");
+    // One state at the smallest size.
+    assert_eq!(tried.iter().filter(|h| **h == 0.125).count(), 1);
+}
+
+#[test]
 fn the_error_of_a_step_is_not_hidden_by_a_small_budget() {
     for (budget, limit) in [200, 300, 500, 700, 1000, 20_000]
         .into_iter()
