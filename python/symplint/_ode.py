@@ -40,13 +40,33 @@ class OdeStep:
             # With such a tolerance the method accepts every step.
             size = abs(h) / self.fixed_steps
             options = options | {"first_step": size, "max_step": size, "rtol": 1e300, "atol": 1e300}
+        # Only methods with adaptive steps recover from such values, by smaller steps, and only after the first value.
+        recovers = self.fixed_steps is None and self.solver != "LSODA"
+        found_last = ""
+
+        def rates(t: float, y: Any, *args: Any) -> Any:
+            nonlocal found_last
+            dy = np.asarray(self.__wrapped__(t, y, *args), dtype=float)
+            if dy.size != y.size:
+                values = f"{dy.size} value{'' if dy.size == 1 else 's'}"
+                raise ValueError(f"f(t, y) returned {values} for {y.size} coordinates; return the rates of all positions, then of all momenta")
+            if not np.isfinite(dy).all():
+                first = np.argwhere(~np.isfinite(dy))[0]
+                value = "NaN" if np.isnan(dy[tuple(first)]) else "infinite"
+                found_last = f"f(t, y) is {value} in dy/dt[{first[0]}] at t = {t:.6g}"
+                if not recovers or t == self.t0:
+                    raise ValueError(found_last)
+            return dy
+
         before = np.concatenate([q, p], axis=-1)
         after = np.empty_like(before)
         for state in np.ndindex(before.shape[:-1]):
-            found = solve_ivp(self.__wrapped__, (self.t0, self.t0 + h), before[state], method=self.solver, **options)
+            found_last = ""
+            found = solve_ivp(rates, (self.t0, self.t0 + h), before[state], method=self.solver, **options)
             # An event may end it, too.
             if found.status != 0:
-                raise RuntimeError(f"{self.__name__} stops at t = {found.t[-1]:.6g}: {found.message}")
+                reason = f"{found.message} {found_last}".strip()
+                raise RuntimeError(f"{self.__name__} stops at t = {found.t[-1]:.6g}: {reason}")
             after[state] = found.y[:, -1]
         q, p = np.split(after, 2, axis=-1)
         return q, p
@@ -87,6 +107,9 @@ def from_ode(
         If `f` is not a function, the method or an option has no steps of fixed size, or an option is not an option of a step.
     RuntimeError
         Raised by the step, if the method or a terminal event stops before t0 + h.
+    ValueError
+        Raised by the step, if `f` returns a wrong number of values, or a value that is not finite and that the method cannot avoid
+        by smaller steps.
 
     Notes
     -----

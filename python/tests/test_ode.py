@@ -74,6 +74,33 @@ def test_a_run_folder_belongs_to_the_source_of_f(tmp_path):
     assert "test_ode" in (tmp_path / "journal").read_bytes()[:4096].decode(errors="replace")
 
 
+@pytest.mark.parametrize("solver", ["RK45", "Radau", "LSODA"])
+def test_values_of_f_that_are_not_finite_are_named(solver):
+    step = symplint.from_ode(lambda t, y: [0.0, np.nan], solver)
+    with pytest.raises(symplint.StepError, match=r"f\(t, y\) is NaN in dy/dt\[1\] at t = 0"):
+        symplint.check(step, 1.0, 0.5, step_sizes=[0.5], loops=1, budget=300)
+
+
+def test_adaptive_steps_avoid_values_that_are_not_finite():
+    def falls(t, y):
+        return [np.nan if y[0] < 0.0 else -50.0 * y[0], 0.0]
+
+    state = np.array([[1.0]]), np.array([[0.5]])
+    q, _ = symplint.from_ode(falls, first_step=1.0)(*state, 1.5)
+    assert abs(q[0, 0]) < 1e-3
+    with pytest.raises(ValueError, match="is NaN in dy/dt"):
+        symplint.from_ode(falls, fixed_steps=1)(*state, 1.5)
+    with pytest.raises(RuntimeError, match=r"stops at t = 0.1: .* f\(t, y\) is infinite in dy/dt\[1\] at t = 0.1"):
+        symplint.from_ode(lambda t, y: [1.0, np.inf if t > 0.1 else 0.0])(*state, 1.5)
+
+
+@pytest.mark.parametrize("fixed_steps", [None, 2])
+def test_a_wrong_number_of_values_is_named(fixed_steps):
+    step = symplint.from_ode(lambda t, y: [-np.sin(y[0])], fixed_steps=fixed_steps)
+    with pytest.raises(symplint.StepError, match="returned 1 value for 2 coordinates"):
+        symplint.check(step, 1.0, 0.5, step_sizes=[0.5], loops=1, budget=300)
+
+
 def test_failures_and_refused_arguments():
     def blows_up(t, y):
         return [y[0] ** 2, 0.0]
