@@ -15,6 +15,8 @@ __all__ = ["OdeStep", "from_ode"]
 
 #: Methods with steps that need no tolerance: explicit Runge–Kutta methods.
 EXPLICIT = ("RK23", "RK45", "DOP853")
+#: All methods of `scipy.integrate.solve_ivp`.
+METHODS = (*EXPLICIT, "Radau", "BDF", "LSODA")
 
 
 class OdeStep:
@@ -104,7 +106,8 @@ def from_ode(
     Raises
     ------
     InputError
-        If `f` is not a function, the method or an option has no steps of fixed size, or an option is not an option of a step.
+        If `f` is not a function, the method is unknown, the method or an option has no steps of fixed size, or an option is not an
+        option of a step.
     RuntimeError
         Raised by the step, if the method or a terminal event stops before t0 + h.
     ValueError
@@ -128,6 +131,8 @@ def from_ode(
     """
     if not callable(f):
         raise InputError(f"f is an object of type {type(f).__name__}; give a function f(t, y)")
+    if not isinstance(solver, type) and solver not in METHODS:
+        raise InputError(f"solver is {solver!r}; give one of {', '.join(METHODS)}, or a class derived from scipy.integrate.OdeSolver")
     if known := options.keys() & {"method", "t_span", "y0", "t_eval"}:
         raise InputError(f"{min(known)} is given; the solver, the times and the states of a step are known")
     if fixed_steps is not None:

@@ -118,6 +118,8 @@ def test_failures_and_refused_arguments():
     for arguments, words in (
         ({"t_eval": [0.5]}, "t_eval is given"),
         ({"f": 3}, "give a function"),
+        ({"solver": "RK77"}, "solver is 'RK77'; give one of RK23, RK45, DOP853, Radau, BDF, LSODA"),
+        ({"solver": 3}, "solver is 3"),
         ({"fixed_steps": 0}, "1 or more"),
         ({"fixed_steps": 1, "rtol": 1e-3}, "both fixed_steps and rtol"),
         ({"solver": "Radau", "fixed_steps": 1}, "Radau has no steps of fixed size"),
