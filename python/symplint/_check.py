@@ -27,7 +27,7 @@ from ._loops import Loop, centre, phases_and_seed, radii
 from ._mass_matrix import EnergyOfVelocities, MassMatrix, StepOfVelocities
 from ._progress import bar
 from ._report import Report, States
-from ._names import Coordinates, WithArguments, WithoutStepSize, executor_of, one_of, seed_of
+from ._names import Coordinates, WithArguments, WithoutStepSize, executor_of, one_of, seed_of, tuple_of
 from ._shape import Shaped, axes, broadcast, of_any_shape
 from ._signature import check_signature, hint
 from ._workers import Workers
@@ -322,9 +322,10 @@ def check(
         step = compose(*substeps)
     if settings:
         _check_names(settings)
+    args = tuple_of(args)
     with executor_of(workers) as pool:
         return _check(
-            step, q0, p0, args=tuple(args), step_sizes=step_sizes, typical_step=typical_step, repeat=repeat, radius=radius,
+            step, q0, p0, args=args, step_sizes=step_sizes, typical_step=typical_step, repeat=repeat, radius=radius,
             phases=phases, loop=loop, loops=loops, seed=1 if rng is None else seed_of(rng), rule=rule, cutoff=cutoff,
             samples=samples, budget=budget, per_sample=per_sample, make=make, reset=reset, dtype=dtype, jacobian=jacobian, jvp=jvp,
             properties=properties, reversal=reversal, symmetric=symmetric, energy=energy, steps=steps, executor=pool, threads=threads,
@@ -384,6 +385,8 @@ def _check(
         raise InputError("casimir is for non-canonical coordinates; give a form as well")
     if isinstance(step_sizes, str):
         _check_none(step_sizes, make)
+    if args and isinstance(step, Composition):
+        raise InputError("args are for a function, and a composed step takes none; bind them in its parts, by functools.partial or a lambda")
     _check_signature(step, form is not None, step_sizes, make, len(args))
     name, functions = _name(step), {"step": step, "jvp": jvp, "form": form, "project": project, "reset": reset, "energy": energy}
     if callable(reversal):
@@ -391,7 +394,7 @@ def _check(
     if callable(mass_matrix):
         functions["mass_matrix"] = mass_matrix
     if args:
-        if not callable(step) or isinstance(step, Integrator | Composition | AdaptedStep):
+        if not callable(step) or isinstance(step, Integrator | AdaptedStep):
             raise InputError("args are for a function; give it, or leave args out")
         step = WithArguments(step, args)
     stated: dict[str, Any] = {"args": repr(args)} if args else {}
@@ -757,8 +760,9 @@ def _check_signature(step: Any, has_form: bool, step_sizes: Any, make: bool, ext
         return None if isinstance(step, Composition) else check_signature(step, ("h",), extra)
     has_step_size = not (isinstance(step_sizes, str) and step_sizes == "none")
     arguments = (("z",) if has_form else ("q", "p")) + (("h",) if has_step_size else ())
-    for function in [function for _, function in step.parts] if isinstance(step, Composition) else [step]:
-        check_signature(function, arguments, extra)
+    is_composed = isinstance(step, Composition)
+    for function in [function for _, function in step.parts] if is_composed else [step]:
+        check_signature(function, arguments, extra, is_composed)
 
 
 def _parts(step: Any, make: bool) -> list[tuple[str, Callable[..., Any]]]:

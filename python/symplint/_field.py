@@ -18,7 +18,7 @@ from ._arrays import Array, coordinates, numbers, vector, whole
 from ._check import _absolute, _config, _is_single, _journal, _resumable
 from ._errors import InputError, StepError
 from ._identity import identity
-from ._names import executor_of, one_of, seed_of
+from ._names import executor_of, one_of, seed_of, tuple_of
 from ._shape import broadcast, of_any_shape, shaped
 from ._workers import Workers
 
@@ -388,7 +388,7 @@ class _Force:
 
     def __init__(self, function: Callable[..., Any], args: tuple[Any, ...], shape: tuple[int, ...], per_sample: bool) -> None:
         self.function = function
-        self.args = tuple(args)
+        self.args = tuple_of(args)
         self.shape = shape
         self.per_sample = per_sample
         self.__name__ = str(getattr(function, "__name__", type(function).__name__))

@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from ._errors import InputError
 
-__all__ = ["Coordinates", "WithArguments", "executor_of", "one_of", "seed_of"]
+__all__ = ["Coordinates", "WithArguments", "executor_of", "one_of", "seed_of", "tuple_of"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -106,6 +106,19 @@ def one_of(name: str, value: Any, other: str, alias: Any, default: Any, deprecat
     if deprecated:
         warnings.warn(f"{other} is an old name; use {name}", DeprecationWarning, stacklevel=4)
     return alias
+
+
+def tuple_of(args: Any) -> tuple[Any, ...]:
+    """Further arguments of a function.
+
+    Raises
+    ------
+    InputError
+        If they are not a tuple or a list.
+    """
+    if not isinstance(args, tuple | list):
+        raise InputError(f"args is {args!r}; give a tuple, args=({args!r},)")
+    return tuple(args)
 
 
 def seed_of(rng: Any) -> int:

@@ -13,8 +13,8 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _native
-from ._arrays import Array
-from ._errors import SymplintError
+from ._arrays import Array, whole
+from ._errors import InputError, SymplintError
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -301,6 +301,11 @@ class Report:
         -------
         matplotlib.axes.Axes
             The axes with the figure.
+
+        Raises
+        ------
+        InputError
+            If the map has no degree of freedom `dof`.
         """
         from ._plot import plot_loop
 
@@ -309,6 +314,9 @@ class Report:
         known = sizes[np.isfinite(sizes)]
         largest = float(known[np.argmax(np.abs(known))]) if known.size else float("nan")
         before, after = self._image(largest, samples)
+        count = before[0].shape[1]
+        if whole(dof, "dof", 0) >= count:
+            raise InputError(f"dof is {dof}; give {'0' if count == 1 else f'a number from 0 to {count - 1}'}")
         breaks = self.breaks
         broken = breaks["s"][(breaks["loop"] == 0) & (breaks["step_size"] == largest) & (breaks["dof"] == dof)]
         return plot_loop(before, after, largest, dof, broken, ax, kwargs)

@@ -27,7 +27,7 @@ OF_ONE_STATE = (
 )  # fmt: skip
 
 
-def check_signature(step: Callable[..., Any], expected: tuple[str, ...], extra: int = 0) -> None:
+def check_signature(step: Callable[..., Any], expected: tuple[str, ...], extra: int = 0, is_part: bool = False) -> None:
     """Refuse a step whose arguments are those of another convention.
 
     Parameters
@@ -38,6 +38,8 @@ def check_signature(step: Callable[..., Any], expected: tuple[str, ...], extra: 
         The names of the arguments that it is called with: ("q", "p", "h"), for example.
     extra : int
         Arguments that follow them.
+    is_part : bool
+        Whether it is a part of a composed step, to which no further arguments are passed.
 
     Raises
     ------
@@ -83,7 +85,8 @@ def check_signature(step: Callable[..., Any], expected: tuple[str, ...], extra: 
             f"{stated}: it takes all coordinates at once; split them, lambda q, p, h: numpy.split({name}(numpy.hstack([q, p]), h), 2, "
             "axis=1), or give form= for non-canonical coordinates"
         )
-    raise InputError(f"{stated}; give a function with these arguments, or pass others on by args=")
+    remedy = "bind others by functools.partial or a lambda" if is_part else "pass others on by args="
+    raise InputError(f"{stated}; give a function with these arguments, or {remedy}")
 
 
 def hint(error: StepError, per_sample: bool) -> str | None:

@@ -56,8 +56,23 @@ def test_further_arguments_are_passed_on(tmp_path):
     # Other arguments are another run.
     with pytest.raises(symplint.InputError, match="args"):
         symplint.check(step, *CENTRE, args=(5.0,), run_dir=tmp_path)
-    with pytest.raises(symplint.InputError, match="args are for a function"):
+    with pytest.raises(symplint.InputError, match="args are for a function.*functools.partial"):
         symplint.check(symplint.compose(("step", step)), *CENTRE, args=(4.0,))
+    with pytest.raises(symplint.InputError, match="four.*bind others by functools.partial"):
+        symplint.check(symplint.compose(("four", lambda q, p, h, four: (q, p))), *CENTRE)
+
+
+def test_further_arguments_are_a_tuple():
+    calls = (
+        lambda args: symplint.check(step, *CENTRE, args=args),
+        lambda args: symplint.assert_symplectic(step, *CENTRE, args=args),
+        lambda args: symplint.assert_structure(step, *CENTRE, symplectic=True, args=args),
+        lambda args: symplint.check_force(lambda q, k: -k * q, CENTRE[0], args=args),
+        lambda args: symplint.check_field(lambda q, p, k: (p, -k * q), *CENTRE, args=args),
+    )
+    for call in calls:
+        with pytest.raises(symplint.InputError, match=r"args is 2.0; give a tuple, args=\(2.0,\)"):
+            call(2.0)
 
 
 def test_workers_are_a_number_a_map_or_an_executor():

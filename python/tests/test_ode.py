@@ -81,6 +81,7 @@ def test_values_of_f_that_are_not_finite_are_named(solver):
         symplint.check(step, 1.0, 0.5, step_sizes=[0.5], loops=1, budget=300)
 
 
+@pytest.mark.filterwarnings("ignore:invalid value")
 def test_adaptive_steps_avoid_values_that_are_not_finite():
     def falls(t, y):
         return [np.nan if y[0] < 0.0 else -50.0 * y[0], 0.0]

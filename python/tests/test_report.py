@@ -105,6 +105,9 @@ def test_figures(report):
     assert measured.plot() is not None
     assert report.plot(color="k", label="mine").get_lines()[0].get_color() == "k"
     assert report.plot_loop(marker="x").get_lines()[1].get_marker() == "x"
+    for dof in (1, -1):
+        with pytest.raises(symplint.InputError, match=f"dof is {dof}; give"):
+            report.plot_loop(dof=dof)
     plt.close("all")
 
 
