@@ -29,7 +29,7 @@ from ._progress import bar
 from ._report import Report, States
 from ._names import Coordinates, WithArguments, WithoutStepSize, executor_of, one_of, seed_of, tuple_of
 from ._shape import Shaped, axes, broadcast, of_any_shape
-from ._signature import check_signature, hint
+from ._signature import TIMES, check_signature, hint
 from ._workers import Workers
 from .adapters import AdaptedStep
 from .integrators import Integrator, of_system
@@ -969,6 +969,6 @@ def _check_names(settings: dict[str, Any]) -> None:
     known = [name for name in _native.settings() if name not in arguments]
     for name in settings:
         if name not in known:
-            near = difflib.get_close_matches(name, [*arguments, *known], 1)
+            near = difflib.get_close_matches(name, [*arguments, *known], 1) or ["typical_step"] * (name.lower() in TIMES)
             remedy = f"; did you mean '{near[0]}'?" if near else ""
             raise TypeError(f"check() got an unexpected keyword argument '{name}'{remedy}")

@@ -20,6 +20,7 @@ from ._errors import InputError, StepError
 from ._identity import identity
 from ._names import executor_of, one_of, seed_of, tuple_of
 from ._shape import broadcast, of_any_shape, shaped
+from ._signature import hint
 from ._workers import Workers
 
 __all__ = ["Curl", "FieldReport", "WorstPair", "check_field", "check_force"]
@@ -501,7 +502,10 @@ def _run(
         try:
             report = FieldReport(_native.check_field(subject, settings, journal))
         except StepError as error:
-            raise StepError(_of_force(str(error), step.what), None, error.s, error.sample) from error.__cause__
+            text = _of_force(str(error), step.what)
+            if remedy := hint(error, bool(per_sample), step.what):
+                text = f"{text}; {remedy}"
+            raise StepError(text, None, error.s, error.sample) from error.__cause__
     if subject["workers"] is not None:
         subject["workers"].warn()
     if folder is not None:

@@ -16,8 +16,8 @@ POSITIONS = {"q", "x", "pos", "position", "positions", "r"}
 MOMENTA = {"p", "v", "vel", "velocity", "velocities", "momentum", "momenta"}
 ALL_AT_ONCE = {"z", "y", "u", "state", "states", "w"}
 
-ONE_STATE = "step gets arrays of shape (samples, dof); write it with numpy functions, or for one state and give per_sample=True"
-OF_NUMBERS = "q and p are arrays of shape (dof,): take q[0], or write the step with numpy functions"
+ONE_STATE = "{what} gets arrays of shape (samples, dof); write it with numpy functions, or for one state and give per_sample=True"
+OF_NUMBERS = "{arrays} of shape (dof,): take q[0], or write the {what} with numpy functions"
 
 #: Words of exceptions that steps raise which are written for one state.
 OF_ONE_STATE = (
@@ -78,6 +78,10 @@ def check_signature(step: Callable[..., Any], expected: tuple[str, ...], extra: 
         )
     if fits:
         return
+    keyword = next((of.name for of in parameters if of.kind is of.KEYWORD_ONLY and of.name.lower() in TIMES), None)
+    if len(expected) > 1 and expected[-1] == "h" and keyword is not None:
+        states = ", ".join(expected[:-1])
+        raise InputError(f"{stated}: {keyword} is keyword-only; give lambda {states}, h: {name}({states}, {keyword}=h)")
     if expected == ("q", "p", "h") and len(required) == 2 and lower[0] in POSITIONS:
         raise InputError(f'{stated}: it has no step size; give step_sizes="none" if that is so, or a function of q, p and h')
     if expected == ("q", "p", "h") and lower[:1] and lower[0] in ALL_AT_ONCE:
@@ -89,15 +93,17 @@ def check_signature(step: Callable[..., Any], expected: tuple[str, ...], extra: 
     raise InputError(f"{stated}; give a function with these arguments, or {remedy}")
 
 
-def hint(error: StepError, per_sample: bool) -> str | None:
-    """What to do about an exception of a step that is written for one state, if it looks like one."""
+def hint(error: StepError, per_sample: bool, what: str = "step") -> str | None:
+    """What to do about an exception of a step, or of another function, that is written for one state, if it looks like one."""
     cause = error.__cause__
     if cause is None:
         return None
     if any(words in str(cause) for words in OF_ONE_STATE):
-        return OF_NUMBERS if per_sample else ONE_STATE
+        arrays = "q is an array" if what == "force" else "q and p are arrays"
+        return (OF_NUMBERS if per_sample else ONE_STATE).format(what=what, arrays=arrays)
     if per_sample:
         return None
-    if isinstance(cause, IndexError):
-        return f"{ONE_STATE}; q[:, i] is degree of freedom i of all samples"
+    # JAX raises a TypeError for shapes that cannot be broadcast.
+    if isinstance(cause, IndexError) or (isinstance(cause, ValueError | TypeError) and "broadcast" in str(cause)):
+        return f"{ONE_STATE.format(what=what)}; q[:, i] is degree of freedom i of all samples"
     return None

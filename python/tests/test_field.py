@@ -2,6 +2,7 @@
 
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 import json
+import math
 import pickle
 
 import numpy as np
@@ -210,6 +211,12 @@ def test_failures_say_what_and_where():
         symplint.check_force(lambda q: q[:, :1], [1.0, 2.0])
     with pytest.raises(symplint.StepError, match="returned None"):
         symplint.check_force(lambda q: None, [1.0, 2.0])
+    with pytest.raises(symplint.StepError, match=r"IndexError: .*; force gets arrays of shape \(samples, dof\).*per_sample=True"):
+        symplint.check_force(lambda q: np.array([-q[0], -q[1]]), [1.0, 2.0])
+    with pytest.raises(symplint.StepError, match=r"broadcast.*; field gets arrays of shape \(samples, dof\).*per_sample=True"):
+        symplint.check_field(lambda q, p: (p, -q * np.ones(3)), [1.0, 2.0], [1.0, 2.0], radius=0.1)
+    with pytest.raises(symplint.StepError, match=r"; q is an array of shape \(dof,\): take q\[0\], or write the force"):
+        symplint.check_force(lambda q: [-math.sin(q)] * 2, [1.0, 2.0], per_sample=True)
     with pytest.raises(symplint.StepError, match="return two arrays"):
         symplint.check_field(lambda q, p: q, [1.0, 2.0], [1.0, 2.0])
     for arguments in (

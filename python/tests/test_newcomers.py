@@ -57,6 +57,14 @@ def by_index(q, p, h):
         q[i] += h * p[i]
 
 
+def by_column(q, p, h):
+    return q + h * p, p - h * np.array([q[1], q[0]])
+
+
+def keyword_only(q, p, *, h):
+    return good(q, p, h)
+
+
 def by_mean(q, p, h):
     return q + h * p, p - h * np.mean(q)
 
@@ -114,6 +122,8 @@ MISTAKES = {
     "float of an array": (to_float, ONE, {}, ["shape (samples, dof)", "per_sample=True"]),
     "if of an array": (by_if, ONE, {}, ["truth value", "per_sample=True"]),
     "index of a degree of freedom": (by_index, TWO, {}, ["q[:, i] is degree of freedom i", "per_sample=True"]),
+    "a state as two numbers": (by_column, TWO, {}, ["broadcast", "shape (samples, dof)", "q[:, i]", "per_sample=True"]),
+    "a step size as a keyword": (keyword_only, ONE, {}, ["h is keyword-only", "lambda q, p, h: keyword_only(q, p, h=h)"]),
     "mean over samples": (by_mean, TWO, {}, ["other rows of the batch", "axis=1"]),
     "transposed results": (transposed, TWO, {}, ["one row for each sample"]),
     "one array": (one_array, ONE, {}, ["return q and p"]),
@@ -150,6 +160,11 @@ def test_the_message_names_the_mistake_and_the_remedy(mistake):
         symplint.check(step, *centre, **arguments)
     for word in words:
         assert word in str(raised.value)
+
+
+def test_an_unknown_name_of_the_step_size_is_named():
+    with pytest.raises(TypeError, match="'dt'; did you mean 'typical_step'"):
+        symplint.check(good, *ONE, dt=0.1)
 
 
 def test_a_right_hand_side_is_no_step():
