@@ -26,7 +26,7 @@ from ._identity import identity
 from ._loops import Loop, centre, phases_and_seed, radii
 from ._mass_matrix import EnergyOfVelocities, MassMatrix, StepOfVelocities
 from ._progress import bar
-from ._report import Report, States
+from ._report import Report, States, check_replaceable
 from ._names import Coordinates, WithArguments, WithoutStepSize, executor_of, one_of, seed_of, tuple_of
 from ._shape import Shaped, axes, broadcast, of_any_shape
 from ._signature import TIMES, check_signature, hint
@@ -224,7 +224,8 @@ def check(
     run_dir : path, optional
         Folder for the report, as `Report.save` writes it. Each result of `step` is also stored there as soon as it returns. A check that
         was stopped resumes when it is run again, and gives the same report. The folder is refused if it holds another run: with other
-        arguments, another version of symplint, or a step whose module has another source text.
+        arguments, another version of symplint, or a step whose module has another source text. It is also refused if it has files of the
+        same names that symplint did not write.
     key : str, optional
         With `run_dir`, a text that identifies everything that the source text of the step does not show. Examples are parameters
         from a file, the state of an object, and compiled code. Another key means another run.
@@ -379,6 +380,9 @@ def _check(
     """`check` with one name for each argument."""
     __tracebackhide__ = True
     folder = None if run_dir is None else _absolute(run_dir)
+    if folder is not None:
+        # Before the check: its report would be lost.
+        check_replaceable(folder)
     if isinstance(step, System):
         step = of_system(step)
     if casimir is not None and form is None:

@@ -19,6 +19,7 @@ from ._check import _absolute, _config, _is_single, _journal, _resumable
 from ._errors import InputError, StepError
 from ._identity import identity
 from ._names import executor_of, one_of, seed_of, tuple_of
+from ._report import check_replaceable
 from ._shape import broadcast, of_any_shape, shaped
 from ._signature import hint
 from ._workers import Workers
@@ -454,6 +455,8 @@ def _run(
 ) -> FieldReport:
     __tracebackhide__ = True
     folder = None if run_dir is None else _absolute(run_dir)
+    if folder is not None:
+        check_replaceable(folder, ("report.json",))
     dof, single = q0.size, _is_single(dtype)
     at_rest = [0.0] * dof
     momenta = at_rest if p0 is None else p0.tolist()

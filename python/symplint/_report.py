@@ -19,7 +19,7 @@ from ._errors import InputError, SymplintError
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["Cause", "Property", "Report"]
+__all__ = ["Cause", "Property", "Report", "check_replaceable"]
 
 #: Columns of `Report.points`, as in the report's JSON.
 POINTS = [
@@ -34,6 +34,18 @@ BREAKS = [
     ("loop", "i8"), ("step_size", "f8"), ("s", "f8"), ("dof", "i8"), ("jump_q", "f8"), ("jump_p", "f8"),
     ("substep", "f8"),
 ]  # fmt: skip
+
+#: Files of `Report.save` that show whether symplint wrote them.
+MARKED = ("config.toml", "report.json")
+
+#: Files of `Report.save`.
+SAVED = (
+    *MARKED, "report.html", "points.csv",
+    *(f"figures/{name}.{kind}" for name in ("step_sizes", "samples", "loop") for kind in ("svg", "pdf", "png")),
+)  # fmt: skip
+
+#: First lines of config.toml: of the program, of `check`, and of `measure`.
+FIRST_LINES = ("# symplint run folder: ", "[check]", "[measure]")
 
 States = tuple[Array, Array]
 
@@ -253,14 +265,23 @@ class Report:
     def save(self, folder: str | os.PathLike[str]) -> None:
         """Write report.json, report.html, points.csv, config.toml and figures into a folder.
 
-        Files of the same names are replaced.
+        Files of these names are replaced if symplint wrote them.
 
         Parameters
         ----------
         folder : path
             The folder, which is created if it does not exist.
+
+        Raises
+        ------
+        InputError
+            If the path is empty, or the folder has a file of these names that symplint did not write.
         """
-        self._native.save(os.fsdecode(folder))
+        path = os.fsdecode(folder)
+        if not path:
+            raise InputError("folder is an empty path; give a folder")
+        check_replaceable(path)
+        self._native.save(path)
 
     def plot(self, ax: Axes | None = None, **kwargs: Any) -> Axes:
         """Draw the defects of all loops against step sizes.
@@ -349,6 +370,36 @@ class Report:
 
     def _repr_html_(self) -> str:
         return self._native.fragment()
+
+
+def check_replaceable(folder: str, names: tuple[str, ...] = SAVED) -> None:
+    """Refuse a folder with files of these names that symplint did not write.
+
+    Only config.toml and report.json show who wrote them. The other files belong to symplint if one of these two does.
+
+    Raises
+    ------
+    InputError
+        If there is such a file.
+    """
+    there = [name for name in names if os.path.lexists(os.path.join(folder, name))]
+    shown = [name for name in MARKED if os.path.lexists(os.path.join(folder, name))]
+    ours = [name for name in shown if _is_ours(folder, name)]
+    for name in there:
+        if name not in ours and (name in MARKED or not ours):
+            raise InputError(f"symplint did not write {name} in {folder!r}, and does not replace it; give another folder")
+
+
+def _is_ours(folder: str, name: str) -> bool:
+    """Whether symplint wrote this config.toml or report.json."""
+    try:
+        with open(os.path.join(folder, name), encoding="utf-8") as file:
+            if name == "config.toml":
+                return file.readline().startswith(FIRST_LINES)
+            contents = json.load(file)
+    except (OSError, ValueError):
+        return False
+    return isinstance(contents, dict) and str(contents.get("schema")).startswith("symplint/")
 
 
 def _restored(text: str, title: str) -> Report:

@@ -82,6 +82,38 @@ def test_folders(report, tmp_path):
         report.save(occupied)
 
 
+@pytest.mark.parametrize("name", ["config.toml", "report.json", "report.html", "points.csv", "figures/loop.png"])
+def test_files_that_symplint_did_not_write_are_kept(report, tmp_path, name):
+    file = tmp_path / name
+    file.parent.mkdir(exist_ok=True)
+    file.write_text("[system]\n")
+    for save in (
+        lambda: report.save(tmp_path),
+        lambda: symplint.check(midpoint, 1.0, 0.5, step_sizes=[0.5], run_dir=tmp_path),
+    ):
+        with pytest.raises(symplint.InputError, match=f"symplint did not write {name} .*; give another folder"):
+            save()
+    assert file.read_text() == "[system]\n" and not (tmp_path / "journal").exists()
+    # Other files do not matter.
+    file.rename(tmp_path / "mine")
+    report.save(tmp_path)
+    report.save(tmp_path)
+    with pytest.raises(symplint.InputError, match="folder is an empty path"):
+        report.save("")
+
+
+def test_reports_of_the_program_and_of_forces_are_replaced(report, tmp_path):
+    (tmp_path / "config.toml").write_text("# symplint run folder: check\n")
+    (tmp_path / "points.csv").write_text("")
+    report.save(tmp_path)
+    folder = tmp_path / "force"
+    symplint.check_force(lambda q: -q, 1.0, run_dir=folder)
+    report.save(folder)
+    (folder / "report.json").write_text("[1, 2]")
+    with pytest.raises(symplint.InputError, match="did not write report.json"):
+        symplint.check_force(lambda q: -q, 1.0, run_dir=folder)
+
+
 def test_figures(report):
     matplotlib = pytest.importorskip("matplotlib")
     matplotlib.use("Agg")
