@@ -709,7 +709,7 @@ def _subject(
         dof = native_loop.dof
     else:
         if q0 is None or p0 is None:
-            raise InputError("q0 and p0 are missing; give the state round which loops are laid")
+            raise InputError("q0 and p0 are missing; give the centre of the loops")
         rows = centre(q0, p0)
         dof, centres = rows[0].size, (rows[0].tolist(), rows[1].tolist())
     for other, found in (("the loop", native_loop), ("the system", integrator)):
@@ -776,7 +776,7 @@ def _parts(step: Any, make: bool) -> list[tuple[str, Callable[..., Any]]]:
     if not isinstance(step, Composition):
         return []
     if make:
-        raise InputError("make is for steps that are one whole; give parts as functions f(q, p, h)")
+        raise InputError("make does not work with substeps; give parts as functions f(q, p, h)")
     return [(name, step.part(number)) for number, (name, _) in enumerate(step.parts)]
 
 
@@ -829,7 +829,7 @@ def _of_form(
             raise InputError(f"{name} is an object of type {type(function).__name__}; give a function of z")
     canonical = {"p0": p0, "momentum_period": momentum_period, "weight": weight}
     if refused := [name for name, value in canonical.items() if value is not None]:
-        raise InputError(f"{refused[0]} is for canonical coordinates; with a form, all is said by z0, period and form")
+        raise InputError(f"{refused[0]} is for canonical coordinates; with a form, pass only z0, period and form")
     if loop is not None and (isinstance(loop, Loop) or not callable(loop)):
         raise InputError("loop is of canonical coordinates; with a form, give a function of s that returns z")
     if phases != "staggered":
@@ -837,7 +837,7 @@ def _of_form(
     if isinstance(radius, tuple | str):
         raise InputError(f"radius is {radius!r}; with a form, give a number, or one for each coordinate")
     if z0 is None:
-        raise InputError("q0 is missing; with a form, give the state z0 round which loops are laid")
+        raise InputError("q0 is missing; with a form, give the centre z0 of the loops")
     z0 = vector(z0, "q0")
     of_rows = FormOfRows(form) if per_sample else form
     size = radii(radius, z0.size)[0]

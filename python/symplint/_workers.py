@@ -191,7 +191,7 @@ class Workers:
         kept = "with run_dir= no finished step would be lost"
         if self.journal is not None:
             kept = "the same check with the same run_dir= resumes, and takes no finished step again"
-        return SymplintError(f"a worker died ({type(error).__name__}: {error}); remove the cause, such as too little memory; {kept}")
+        return SymplintError(f"a worker died ({_with_text(error)}); remove the cause, such as too little memory; {kept}")
 
     def _wait(self, arc: _Arc) -> None:
         if isinstance(self._executor, MapExecutor):
@@ -349,9 +349,14 @@ def _sendable(step: _Step, error: BaseException) -> BaseException:
     try:
         pickle.loads(pickle.dumps(error))
     except Exception:
-        sent = RuntimeError(f"{type(error).__name__}: {error}")
+        sent = RuntimeError(_with_text(error))
     sent.add_note("in a worker:\n" + text)
     return sent
+
+
+def _with_text(error: BaseException) -> str:
+    """The type of an exception, and its text if it has one."""
+    return f"{type(error).__name__}: {error}".removesuffix(": ")
 
 
 def _differences(first: States, other: States) -> Iterator[tuple[str, int, float]]:

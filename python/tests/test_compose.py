@@ -151,5 +151,5 @@ def test_a_step_is_given_once():
         symplint.check(drift, 1.0, 0.5, substeps=[("drift", drift)])
     with pytest.raises(symplint.InputError, match="step is missing"):
         symplint.check(q0=1.0, p0=0.5)
-    with pytest.raises(symplint.InputError, match="make is for steps that are one whole"):
+    with pytest.raises(symplint.InputError, match="make does not work with substeps"):
         symplint.check(symplint.compose(("drift", drift)), 1.0, 0.5, make=True)

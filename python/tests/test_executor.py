@@ -160,6 +160,20 @@ def test_a_scheduler_that_ends_ends_the_check():
     assert isinstance(error, symplint.SymplintError) and "scheduler of the executor ended" in str(error)
 
 
+class _Cancels:
+    """An executor that cancels all tasks."""
+
+    def submit(self, function, *arguments):
+        future = Future()
+        future.cancel()
+        return future
+
+
+def test_an_exception_without_text_is_its_type():
+    with pytest.raises(symplint.SymplintError, match=r"a worker died \(CancelledError\);"):
+        check(verlet, _Cancels())
+
+
 @pytest.mark.parametrize("pool", [ThreadPoolExecutor, ProcessPoolExecutor])
 def test_exceptions_of_a_step_come_back(pool):
     with pool(2) as executor, pytest.raises(symplint.StepError, match="too far") as raised:

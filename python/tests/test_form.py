@@ -116,7 +116,7 @@ def test_runs_go_on_and_processes_take_steps(tmp_path):
     [
         ({"form": 3}, "form is an object of type int"),
         ({"form": lambda z: z[:, :1]}, r"form\(z\) has shape \(1, 1\) and z \(1, 2\)"),
-        ({"p0": [1.0]}, "p0 is for canonical coordinates"),
+        ({"p0": [1.0]}, "p0 is for canonical coordinates; with a form, pass only z0, period and form"),
         ({"weight": 2.0}, "weight is for canonical coordinates"),
         ({"project": 3}, "project is an object of type int"),
         ({"radius": "auto"}, "radius is 'auto'"),

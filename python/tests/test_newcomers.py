@@ -134,7 +134,7 @@ MISTAKES = {
     "memory": (counts(), ONE, {}, ["depends on earlier calls", "depend only on h and the state"]),
     "no function": (3, ONE, {}, ["step is an object of type int", "step(q, p, h)"]),
     "nothing": (None, ONE, {}, ["step is missing", "substeps"]),
-    "no centre": (good, (None, None), {}, ["q0 and p0 are missing"]),
+    "no centre": (good, (None, None), {}, ["q0 and p0 are missing; give the centre of the loops"]),
     "centres of two lengths": (good, ([1, 2], [1]), {}, ["q0 has 2 values and p0 has 1"]),
     "centres of two shapes": (good, (np.ones((3, 2)), np.ones(6)), {}, ["q0 has the shape (3, 2) and p0 (6,)", "one of both"]),
     "a step size of zero": (good, ONE, {"step_sizes": [0.0]}, ["step_sizes[0] is 0", "other than 0"]),
