@@ -254,8 +254,9 @@ def check(
         If an argument is not valid.
     StepError
         If the map fails on your loop, or returns states that are not finite, or if its results depend on earlier calls or on other
-        rows of the batch. An exception of `step` is the cause of the error. If the map fails at some step sizes only, symplint measures
-        the other step sizes first, and the error has the report on them.
+        rows of the batch. Without a step size, also if the map returns None and changes no state. An exception of `step` is the cause
+        of the error. If the map fails at some step sizes only, symplint measures the other step sizes first, and the error has the
+        report on them.
 
     Examples
     --------
@@ -508,6 +509,9 @@ def _check(
             if remedy := hint(error, bool(per_sample)):
                 error.args = (f"{error}; {remedy}",)
             raise
+    if isinstance(step, WithoutStepSize) and step.is_idle:
+        remedy = "return q, p, or write the results into the arrays"
+        raise StepError(f"{name} returned nothing and left its arrays as they were; {remedy}")
     if subject["workers"] is not None:
         subject["workers"].warn()
     subject["workers"] = None

@@ -86,9 +86,23 @@ class WithoutStepSize:
     def __init__(self, step: Callable[..., Any]) -> None:
         self.step = step
         self.__name__ = str(getattr(step, "__name__", type(step).__name__))
+        self._is_called = self._returns_or_changes = False
+
+    @property
+    def is_idle(self) -> bool:
+        """Whether all calls returned None and left their arrays unchanged."""
+        return self._is_called and not self._returns_or_changes
 
     def __call__(self, q: Any, p: Any, _: float) -> Any:
-        return self.step(q, p)
+        if self._returns_or_changes or not isinstance(q, np.ndarray):
+            return self.step(q, p)
+        before = q.copy(), p.copy()
+        result = self.step(q, p)
+        # Two flags that only become true: workers may be threads.
+        self._is_called = True
+        if result is not None or not (np.array_equal(q, before[0]) and np.array_equal(p, before[1])):
+            self._returns_or_changes = True
+        return result
 
 
 def one_of(name: str, value: Any, other: str, alias: Any, default: Any, deprecated: bool = False) -> Any:

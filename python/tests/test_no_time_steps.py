@@ -96,6 +96,22 @@ def test_damped_maps_are_not(name, lost):
     assert report.kind == "not-symplectic" and report.order is None, report
 
 
+@pytest.mark.parametrize("arguments", [{}, {"per_sample": True}, {"q0": np.zeros((2, 3)), "p0": np.ones((2, 3))}])
+def test_a_map_that_forgets_to_return_is_an_error(arguments):
+    def forgets(q, p):
+        p = 3.0 * p
+
+    arguments = {"q0": 1.0, "p0": 0.5, "step_sizes": "none", "budget": 1000} | arguments
+    with pytest.raises(symplint.StepError, match="forgets returned nothing and left its arrays as they were; return q, p"):
+        symplint.check(forgets, **arguments)
+
+    def kicks_some(q, p):
+        p[q > 1.9] += 1e-3
+
+    assert symplint.check(kicks_some, **arguments).evaluations > 0
+    assert symplint.check(lambda q, p: (q, p), **arguments).kind == "symplectic"
+
+
 def test_an_accurate_method_at_small_steps_is_not_called_symplectic():
     def rk4(q, p, h):
         def slope(q, p):
