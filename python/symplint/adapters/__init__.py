@@ -1,6 +1,6 @@
 """Steps of other packages, as `symplint.check` takes them.
 
-Each function takes an object of its package and returns an `AdaptedStep`, which has the state around which loops are laid, masses and
+Each function takes an object of its package and returns an `AdaptedStep`, which has the centre of the loops, masses and
 step sizes: ``symplint.check(symplint.adapters.rebound(simulation))``. Its documentation states what is set up once and what for each
 state. This matters: a method that computes a parameter from the first state, such as the critical radius of MERCURIUS, is symplectic if
 this parameter is kept, and is not if each state has its own.

@@ -31,7 +31,7 @@ def blackjax(
     log_density : callable
         The logarithm of the density, a function of one position of shape (dof,).
     position, momentum : array_like
-        The state around which loops are laid.
+        The centre of the loops.
     integrator : callable, optional
         One of ``blackjax.mcmc.integrators``; by default ``velocity_verlet``.
     inverse_mass_matrix : array_like, optional

@@ -28,7 +28,7 @@ def diffrax(
     solver : diffrax.AbstractSolver
         The method.
     q0, p0 : array_like
-        The state around which loops are laid.
+        The centre of the loops.
     args : optional
         The arguments of the vector field.
     t0 : float

@@ -29,7 +29,7 @@ def impactx(simulation: Any) -> AdaptedStep:
     Parameters
     ----------
     simulation : impactx.ImpactX
-        The lattice, and the reference particle, around which loops are laid. Call its ``init_grids`` first. Its particles are removed.
+        The lattice, and the reference particle, which is the centre of the loops. Call its ``init_grids`` first. Its particles are removed.
 
     Returns
     -------

@@ -22,7 +22,7 @@ def mici(integrator: Any, state: Any) -> AdaptedStep:
     integrator : mici.integrators.Integrator
         The integrator with its system. It is not changed.
     state : mici.states.ChainState
-        Position and momentum around which loops are laid: one array each, of one dimension.
+        Position and momentum of the centre of the loops: one array each, of one dimension.
 
     Returns
     -------

@@ -22,7 +22,7 @@ def mujoco(model: Any, data: Any) -> AdaptedStep:
     model : mujoco.MjModel
         A model whose joints are hinges and slides. The integrator and a typical step are those of ``model.opt``. It is not changed.
     data : mujoco.MjData
-        The state around which loops are laid, with its controls and applied forces. It is not changed.
+        The centre of the loops, with its controls and applied forces. It is not changed.
 
     Returns
     -------

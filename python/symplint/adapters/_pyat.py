@@ -26,7 +26,7 @@ def pyat(lattice: Any, orbit: npt.ArrayLike | None = None) -> AdaptedStep:
     lattice : at.Lattice
         The elements with their pass methods. It is not changed.
     orbit : array_like, optional
-        The particle around which loops are laid, as PyAT has it: x, px, y, py, δ and ct. By default, all are 0.
+        The centre of the loops, a particle as PyAT has it: x, px, y, py, δ and ct. By default, all are 0.
 
     Returns
     -------
