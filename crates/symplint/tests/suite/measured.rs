@@ -214,6 +214,24 @@ fn a_step_in_single_precision_is_not_called_wrong() {
 }
 
 #[test]
+fn short_waves_far_from_the_origin_are_no_single_precision() {
+    // A unit of single precision is longer than a radian there.
+    let found = |step: Step| {
+        let map = symplint::PerSample::new(1, step);
+        let diagnostic = symplint::Diagnostic::halving(-1, -4);
+        diagnostic.run(&map, &circle(1e7, 0.5)).unwrap()
+    };
+    let double = found(position_first);
+    assert!(!double.evidence.survey.single_inside);
+    assert_eq!(double.verdict.kind, VerdictKind::Symplectic);
+    let single = found(|h, q, p| {
+        position_first(h, q, p);
+        (q[0], p[0]) = (f64::from(q[0] as f32), f64::from(p[0] as f32));
+    });
+    assert_eq!(single.verdict.kind, VerdictKind::Undecided);
+}
+
+#[test]
 fn wrapped_positions_need_their_period_and_get_it() {
     // Round q = 0 of a box of 2π: half the loop is stored at the other end.
     let wrap = |q: &mut f64, _: &mut f64| *q = q.rem_euclid(TAU);
@@ -311,7 +329,7 @@ fn what_proves_nothing_is_undecided() {
     };
     let (before, after) = snapshots(leapfrog, &circle(1.0, 0.5), 256, &[1e-3], |_, _| {});
     undecided(&before, std::slice::from_ref(&before), "moved no state");
-    undecided(&before, &after, "advances the motions on a loop by only");
+    undecided(&before, &after, "rotates a loop by only");
     let (few, after) = snapshots(leapfrog, &circle(1.0, 0.5), 16, &[0.5], |_, _| {});
     undecided(&few, &after, "16 samples are too few");
     // A half circle is not a loop.
