@@ -32,10 +32,13 @@ pub struct Survey {
     /// Jacobian show a defect that the given loop does not have.
     #[serde(default)]
     pub singular: Option<SingularJacobian>,
-    /// The rank of the symplectic form on the manifold of a map in non-canonical coordinates, if the form is degenerate there. It
-    /// is tested if a loop or the Jacobian shows a defect.
+    /// The rank of the symplectic form on the manifold of a map in non-canonical coordinates, if the form is degenerate there.
     #[serde(default)]
     pub degenerate_form: Option<Rank>,
+    /// How far the largest step moves states off the manifold, or off the leaf, to which their projection keeps them, in units of the
+    /// loop's radii, if it is more than a bound may be.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub off_manifold: Option<f64>,
     /// A stated period that is not one of the map: no random loop winds round it.
     #[serde(default)]
     pub wrong_period: Option<WrongPeriod>,

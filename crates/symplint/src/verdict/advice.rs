@@ -84,6 +84,10 @@ pub enum Advice {
     CheckCopies,
     /// Check that the step returns what it advanced.
     ReturnStates,
+    /// Check that a map without a step size, which moves nothing, returns what it advanced.
+    MovesNothing,
+    /// Correct a period.
+    CorrectPeriod,
     /// Two samples or more in each cell.
     SamplesInCells,
     /// More samples and larger steps.
@@ -98,6 +102,8 @@ pub enum Advice {
     LoopOnManifold,
     /// Give a projection onto the constraint manifold.
     Project,
+    /// Find out why a step leaves the manifold of the loops.
+    KeepToManifold,
     /// Give Casimir functions, or a projection onto a leaf of the symplectic form.
     KeepToLeaf,
     /// Take a smaller loop that stays in the domain of the map.
@@ -129,6 +135,9 @@ pub enum Advice {
         wanted: usize,
     },
 }
+
+/// Steps that have to be longer by more than this, or that deform a loop by more times its size, suit another loop. Conventional.
+const UNUSUAL: f64 = 300.0;
 
 impl Advice {
     /// Whether it helps to learn the order of a defect, and names no cause.
@@ -173,7 +182,7 @@ impl Advice {
                  smooth switch."
             }
             Advice::TightenSolver => "If a solver inside the map stops at a tolerance, tighten it.",
-            Advice::StateStepSizes => "State the step sizes to learn the order.",
+            Advice::StateStepSizes => "State the step sizes to learn the power of h.",
             Advice::LoopWithForces => {
                 "Take much larger step sizes, or a loop on which forces differ: all methods conserve areas in a step that is \
                  nearly a free flight or a kick."
@@ -185,11 +194,18 @@ impl Advice {
                 "Check that the step returns the states that it advanced, or writes them into the arrays that it gets; \
                  if it does, take larger step sizes, or step_sizes = \"none\" for a map that is not a step in time."
             }
+            Advice::MovesNothing => {
+                "The map moves no state of the loops: check that it returns the states that it advanced, or writes them into the arrays that \
+                 it gets."
+            }
+            Advice::CorrectPeriod => {
+                "Correct the period that you stated, or leave it out: no random loop winds around it."
+            }
             Advice::SamplesInCells => {
                 "Take more samples or a smaller loop: two samples or more in each cell that it crosses."
             }
             Advice::MoreSamplesAndLargerSteps => {
-                "Take more samples and larger step sizes: a true defect grows with h, an error does not."
+                "Take more samples and larger step sizes: a true change grows with h, an error does not."
             }
             Advice::ContractibleLoops => "Add loops that can be contracted: set loops to 8.",
             Advice::LoopBesidePoint => {
@@ -199,16 +215,20 @@ impl Advice {
                 "Give larger radii to these degrees of freedom, well above the rounding of their states, or leave them at rest."
             }
             Advice::LoopOnManifold => {
-                "Give a projection onto the constraint manifold (`with_projection`, `project`), which puts all loops there. \
-                 Or give a loop that lies on it, with loops = 1 and jacobian = false: random loops leave it. If the step clips a \
-                 coordinate instead, take a loop that does not reach the limit."
+                "If the step keeps a constraint, give a projection onto its manifold (`project=` in Python, `with_projection` in Rust), which \
+                 puts all loops there. Or give a loop on the manifold, with loops = 1 and jacobian = false: random loops leave it. If not, \
+                 check that the step fills and returns both q and p. If it clips a coordinate, take a loop that does not reach the limit."
             }
             Advice::Project => {
-                "Give a projection onto the constraint manifold (`with_projection`, `project`), which keeps random loops and \
-                 the Jacobian on it; or judge your loop alone: loops = 1, jacobian = false."
+                "Give a projection onto the constraint manifold (`project=` in Python, `with_projection` in Rust; systems of the program have \
+                 one): it keeps random loops and the Jacobian on the manifold. Or test your loop alone: loops = 1, jacobian = false."
+            }
+            Advice::KeepToManifold => {
+                "Check the projection or the Casimir functions that you gave: the step has to conserve them. If they are right, look for \
+                 friction, or for a constraint that the step does not solve to rounding error."
             }
             Advice::KeepToLeaf => {
-                "State all Casimir functions of the form (`casimir`, `OneForm::project`), or a projection onto a leaf \
+                "If dϑ should have full rank, look for a pair that ϑ lacks. Otherwise, state all Casimir functions of the form (`casimir`, `OneForm::project`), or a projection onto a leaf \
                  (`project`): they keep all loops and the Jacobian on one leaf."
             }
             Advice::SmallerLoopInDomain => {
@@ -222,12 +242,12 @@ impl Advice {
                 "Set rule to \"auto\": finite differences are of first order, and only good to a few digits."
             }
             Advice::LargerLoop => {
-                "Rounding errors make most of the bound: take a larger loop, nearer to the origin, and states in double \
-                 precision."
+                "Rounding errors, or other noise of the map, make most of the bound: take a larger loop, nearer to the origin, and states in \
+                 double precision. Tighten the tolerances of solvers, and interpolate tables smoothly."
             }
             Advice::MoreDigits => {
-                "Return more digits to learn more: compute in double precision, and do not round (17 digits, if \
-                 states are printed)."
+                "Return more digits to learn more: compute in double precision, do not round (17 digits, if states are printed), and \
+                 return no integers."
             }
             Advice::SameRandomNumbers => {
                 "If the step draws random numbers: give every row and every call the same ones (one seed at the start of \
@@ -261,18 +281,18 @@ impl Display for Advice {
             Advice::LookForCause { order } => f.write_str(&look_for_cause(*order)),
             Advice::MoreStepSizes { given } => write!(
                 f,
-                "Give four or more step sizes, each half of the one before, to learn the order ({given} given)."
+                "Give four or more step sizes, each half of the one before, to learn the power of h ({given} given)."
             ),
             Advice::NoOrder { given, drowned } => match drowned {
                 true => write!(
                     f,
-                    "The defects at the smaller of {given} step sizes are not above their uncertainty: give larger \
-                     step sizes, each half of the one before, to learn the order."
+                    "The changes at the smaller of {given} step sizes are not above their uncertainty: give larger step sizes, each half \
+                     of the one before, to learn the power of h."
                 ),
                 false => write!(
                     f,
-                    "The defects at {given} step sizes do not follow one power of h: give smaller step sizes, \
-                     each half of the one before, to learn the order."
+                    "The changes at {given} step sizes do not follow one power of h: give smaller step sizes, each half of the one before, \
+                     to learn the power."
                 ),
             },
             Advice::LargerSteps { factor, step_size } => {
@@ -284,7 +304,14 @@ impl Display for Advice {
                     }
                     (None, _) => {}
                 }
-                f.write_str(": one step should advance the motions by about a radian, or far enough that a defect exceeds the bound.")
+                f.write_str(": one step should rotate the loop by about a radian, or far enough that a change would exceed the bound.")?;
+                match factor {
+                    Some(factor) if *factor > UNUSUAL => f.write_str(
+                        " If the present ones are those of your simulation, take a smaller loop instead, of the size of a cell, a wave or \
+                         an orbit.",
+                    ),
+                    _ => Ok(()),
+                }
             }
             Advice::LargerRadii { factor } => write!(
                 f,
@@ -303,6 +330,16 @@ impl Display for Advice {
                  only larger steps reach: a limit, a threshold, friction in a region.",
                 size(*converges)
             ),
+            Advice::SmallerSteps { deformation } | Advice::SmallerLoop { deformation }
+                if *deformation > UNUSUAL =>
+            {
+                write!(
+                    f,
+                    "Set radius = \"auto\", and step_sizes or typical_step to those of your simulation: one step deforms this loop by {} \
+                     times its size, as in other units.",
+                    short(*deformation)
+                )
+            }
             Advice::SmallerSteps { deformation } => write!(
                 f,
                 "Take smaller step sizes: one step deforms this loop by {} times its size.",
@@ -315,7 +352,7 @@ impl Display for Advice {
             ),
             Advice::MoreEvaluations { wanted } => write!(
                 f,
-                "Raise the budget by about {wanted} evaluations: the samples seem to need them."
+                "Raise the budget by about {wanted} evaluations: this loop needs more samples."
             ),
             fixed => f.write_str(fixed.fixed().unwrap_or_default()),
         }
@@ -343,9 +380,9 @@ fn look_for_cause(order: Option<f64>) -> String {
                 ],
             };
             format!(
-                "Check the method: {methods}, for example, changes loop integrals in proportion to {law}. Use a symplectic method of \
-                 the same order. If the method is symplectic, look for a solver or a force that is less accurate than the step. With \
-                 several degrees of freedom, test the force (`check_force` in Python and C)."
+                "Check the method: {methods}, for example, changes loop integrals in proportion to {law}. Use a symplectic method of the \
+                 same order. If yours is symplectic, look for a solver or a force with too few digits, and with several degrees of \
+                 freedom, test the force (`check_force` in Python and C)."
             )
         }
         Some(order) if order > 0.0 => {

@@ -47,6 +47,9 @@ pub fn judge(evidence: &Evidence) -> Verdict {
     let properties = properties(evidence, decision.kind);
     let cause = case.cause(&decision, &properties);
     decision.advise_on_cause(cause.as_ref(), evidence);
+    if evidence.survey.wrong_period.is_some() {
+        decision.advice.push(Advice::CorrectPeriod);
+    }
     if evidence.survey.is_rounded() && decision.kind != VerdictKind::NotSymplectic {
         decision.advise_on_digits();
     }
@@ -158,7 +161,7 @@ struct Case<'a> {
 
 impl<'a> Case<'a> {
     /// The reasons of verdicts, the most important one first: the first that applies decides.
-    const PRIORITY: [fn(&Self) -> Option<Decision>; 20] = [
+    const PRIORITY: [fn(&Self) -> Option<Decision>; 21] = [
         Self::nothing_measured,
         Self::no_closed_loop,
         Self::random_numbers,
@@ -170,6 +173,7 @@ impl<'a> Case<'a> {
         Self::outside_its_domain,
         Self::not_symplectic,
         Self::projects,
+        Self::leaves_manifold,
         // Nothing shows a defect. What may hide one:
         Self::misses_grid,
         Self::hardly_moves,

@@ -71,6 +71,7 @@ fn the_identity_is_named() {
     assert_eq!(found.verdict.kind, VerdictKind::Symplectic);
     let text = found.verdict.sentences().concat();
     assert!(text.contains("leaves every state"), "{text}");
+    assert_eq!(found.verdict.advice, [Advice::MovesNothing]);
     // With a step size it is a step that returns nothing.
     let found = (Diagnostic::halving(-1, -4).run(&map, &small_circle())).unwrap();
     assert_eq!(found.verdict.kind, VerdictKind::Undecided);
@@ -159,6 +160,10 @@ fn a_period_that_is_not_one_of_the_map_is_named() {
             found.verdict.findings.iter().any(wrong),
             is_wrong,
             "{stated}"
+        );
+        assert_eq!(
+            found.verdict.advice.contains(&Advice::CorrectPeriod),
+            is_wrong
         );
         assert_eq!(
             found.evidence.loops.iter().any(|found| found.winds),

@@ -243,6 +243,79 @@ fn a_degenerate_form_convicts_on_its_leaf_only() {
     }
 }
 
+/// ϑ = p0 dq0, of a map of two pairs.
+struct OnePair;
+
+impl OneForm for OnePair {
+    fn dimension(&self) -> usize {
+        4
+    }
+
+    fn evaluate(&self, block: &mut Block<'_>) {
+        for k in 0..block.len() {
+            let momentum = block.q.row(2)[k];
+            (0..4).for_each(|i| block.p.row_mut(i)[k] = 0.0);
+            block.p.row_mut(0)[k] = momentum;
+        }
+    }
+}
+
+#[test]
+fn a_form_that_lacks_a_pair_does_not_decide_about_it() {
+    let step = |h: f64, z: &mut [f64], _: &mut [f64]| {
+        for i in 0..2 {
+            z[2 + i] -= h * z[i].sin();
+            z[i] += h * z[2 + i];
+        }
+        z[3] *= (-h).exp();
+    };
+    let map = NonCanonical::of_positions(PerSample::new(4, step), OnePair).unwrap();
+    let circle = Circle::new(vec![1.0, 0.2, 0.5, 0.1], vec![0.0; 4], 0.5).unwrap();
+    let found = Diagnostic::halving(-1, -5).run(&map, &map.loop_of(circle));
+    let verdict = found.unwrap().verdict;
+    assert_eq!(verdict.kind, VerdictKind::Undecided, "{verdict}");
+    assert!(
+        verdict.summary().contains("dϑ has rank 2 of 4"),
+        "{verdict}"
+    );
+}
+
+#[test]
+fn a_step_that_changes_a_casimir_function_is_not_called_symplectic() {
+    // ϑ does not depend on the size of the spin, which the step halves.
+    let step = |h: f64, m: &mut [f64], p: &mut [f64]| {
+        turns(h, m, p);
+        m.iter_mut().for_each(|x| *x *= 0.5);
+    };
+    let map = NonCanonical::of_positions(PerSample::new(3, step), Projected).unwrap();
+    let circle = Circle::new(vec![0.6, 0.5, 0.4], vec![0.0; 3], 0.2).unwrap();
+    let found = Diagnostic::halving(-1, -5).run(&map, &map.loop_of(circle));
+    let verdict = found.unwrap().verdict;
+    assert_eq!(verdict.kind, VerdictKind::Undecided, "{verdict}");
+    assert_eq!(verdict.advice, [Advice::KeepToManifold]);
+}
+
+/// The area of directions: ϑ = cos θ dφ, on the unit sphere.
+struct Projected;
+
+impl OneForm for Projected {
+    fn dimension(&self) -> usize {
+        3
+    }
+
+    fn evaluate(&self, block: &mut Block<'_>) {
+        Spin { keeps: true }.evaluate(block);
+        for k in 0..block.len() {
+            let squared: f64 = (0..3).map(|i| block.q.row(i)[k].powi(2)).sum();
+            (0..3).for_each(|i| block.p.row_mut(i)[k] /= squared.sqrt());
+        }
+    }
+
+    fn project(&self, block: &mut Block<'_>) {
+        Spin { keeps: true }.project(block);
+    }
+}
+
 #[test]
 fn a_form_of_another_dimension_is_an_error() {
     let map = PerSample::new(2, |_, _: &mut [f64], _: &mut [f64]| {});

@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::{Change, Step};
 use crate::evidence::{Contraction, Rank};
-use crate::text::{loop_name, two_digits};
+use crate::text::{capitalised, loop_name, two_digits};
 
 /// Loops that do not lie in the domain of the map.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -75,6 +75,11 @@ pub enum DomainFinding {
         /// The bound on the defect of your loop.
         given: Option<f64>,
     },
+    /// A step moves states off the manifold, or the leaf, to which a projection keeps the loops.
+    LeavesManifold {
+        /// The largest distance, in units of the loop's radii.
+        distance: f64,
+    },
     /// The Jacobian of the step is singular at the loop, and the symplectic form is degenerate on its image.
     LosesRank {
         /// The rank of the Jacobian, of all coordinates.
@@ -113,6 +118,12 @@ impl Display for DomainFinding {
                 beside,
             } => projects(f, *smallest, *given, *beside),
             DomainFinding::DegenerateForm { rank, given } => degenerate_form(f, *rank, *given),
+            DomainFinding::LeavesManifold { distance } => write!(
+                f,
+                "The step moves states off the manifold on which the loops lie, by up to {} radii. A step that is symplectic on this \
+                 manifold keeps states there, and conserves all Casimir functions.",
+                two_digits(*distance)
+            ),
             DomainFinding::LosesRank { rank } => write!(
                 f,
                 "The step projects: its Jacobian has rank {} of {} at the loop. Such a step is not symplectic on the whole phase \
@@ -134,8 +145,7 @@ fn at_a_point(
     write!(
         f,
         "The integral of {} changes by {change} {step}, but all of the change comes from {} {:.0e} of the disc within it,{} \
-         near s = {:.3}, {:.0} % of the way from the centre. A map that is singular there may change it, and be \
-         symplectic everywhere else: the loop cannot be contracted in its domain.",
+         near s = {:.3}, {:.0} % of the way from the centre. If the map is singular there, it can change the integral and be symplectic everywhere else: then the loop cannot be contracted in its domain.",
         loop_name(loop_index),
         match contraction.points {
             1 => "a patch of".to_owned(),
@@ -199,28 +209,28 @@ fn projects(
 ) -> Result {
     write!(
         f,
-        "The map projects onto a manifold: its Jacobian is singular at the loop (a direction shrinks to {}). ",
+        "The map moves states onto a manifold: its Jacobian is singular at the loop (a direction shrinks to {}). ",
         two_digits(smallest)
     )?;
     match given {
         Some(bound) => write!(f, "Your loop is conserved to {bound:.1e}")?,
-        None => f.write_str("The defect of your loop is not bounded")?,
+        None => f.write_str("The change of your loop has no bound")?,
     }
     match beside {
         Some((loop_index, defect)) => write!(
             f,
-            "; {}, which leaves the manifold, changes by {defect:.1e}, which does not count as evidence.",
-            loop_name(loop_index)
+            ". {} changes by {defect:.1e}, but leaves the manifold, so this does not count as evidence.",
+            capitalised(&loop_name(loop_index))
         ),
-        None => f.write_str("; loops that leave the manifold do not count as evidence."),
+        None => f.write_str(". Loops that leave the manifold do not count as evidence."),
     }
 }
 
 fn degenerate_form(f: &mut Formatter<'_>, Rank { rank, of }: Rank, given: Option<f64>) -> Result {
     write!(
         f,
-        "The form is degenerate: rank {rank} of {of}. A map that is symplectic on every leaf need not conserve the integrals of \
-         loops that leave the leaf, nor the form on such tangent vectors: these changes do not count as evidence"
+        "The form is degenerate: dϑ has rank {rank} of {of}. Changes of the other coordinates do not show, and loops that leave a leaf of the \
+         form can change although the map is symplectic on every leaf. So these loops give no verdict"
     )?;
     match given {
         Some(bound) => write!(f, "; your loop is conserved to {bound:.1e}."),

@@ -1,7 +1,7 @@
 //! No defect: how large it may be.
 
 use super::{Case, Decision, change};
-use crate::evidence::{Check, LoopEvidence, Omission, StepEvidence, Why};
+use crate::evidence::{Check, LoopEvidence, Motion, Omission, StepEvidence, Why};
 use crate::rules::RuleKind;
 use crate::verdict::VerdictKind;
 use crate::verdict::advice::Advice;
@@ -29,6 +29,10 @@ impl Case<'_> {
             true => Some(Advice::MoreLoopsOfFile),
             false => (!self.has_random_loops()).then_some(Advice::MoreLoops),
         });
+        let moves_nothing = |(motion, _): (Motion, _)| motion.deformation == 0.0 && !motion.moves;
+        if self.strongest_motion().is_some_and(moves_nothing) {
+            decision.advice.insert(0, Advice::MovesNothing);
+        }
         decision
     }
 

@@ -23,7 +23,20 @@ impl Case<'_> {
         decision.findings = self.bounds();
         decision.advice = advice;
         // If the budget is missing, the rest of the advice follows it.
-        if let Some(more) = self.wants_evaluations() {
+        let is_of_deformation = |advice: &Advice| {
+            matches!(
+                advice,
+                Advice::SmallerSteps { .. } | Advice::SmallerLoop { .. }
+            )
+        };
+        let is_of_noise = matches!(
+            decision.because,
+            Finding::Bounds(BoundFinding::WeakBound { roundoff: true, .. })
+        );
+        if let Some(more) = self.wants_evaluations()
+            && !is_of_noise
+            && !decision.advice.iter().any(is_of_deformation)
+        {
             decision
                 .advice
                 .insert(0, self.smaller_steps().unwrap_or(more));
@@ -135,6 +148,13 @@ impl Case<'_> {
         let given = self.loops.first().filter(conserved).and_then(bound);
         let because = Finding::Domain(DomainFinding::DegenerateForm { rank, given });
         Some(self.because(because, vec![Advice::KeepToLeaf]))
+    }
+
+    /// A step moves states off the manifold of the loops: there it may do anything.
+    pub(super) fn leaves_manifold(&self) -> Option<Decision> {
+        let distance = self.evidence.survey.off_manifold?;
+        let because = Finding::Domain(DomainFinding::LeavesManifold { distance });
+        Some(self.because(because, vec![Advice::KeepToManifold]))
     }
 
     /// The samples are further apart than the cells of the map's grid.

@@ -6,10 +6,15 @@ pub(in crate::diagnosis) use singular::cost as singular_cost;
 
 use super::{GivenLoop, Runner};
 use crate::error::Error;
-use crate::evidence::{Check, LoopEvidence, Why};
+use crate::evidence::{Check, LoopEvidence, WEAKEST_BOUND, Why};
 use crate::jacobian::JacobianEvidence;
 use crate::rules::Subject;
+use crate::signal::{nearest, parameter};
+use crate::state::{Block, Ensemble, coordinate, coordinate_mut, period};
 use singular::{degenerate_form, singular_jacobian};
+
+/// States of the loop that show whether a step keeps to the manifold. Conventional.
+const STATES: usize = 8;
 
 impl Runner<'_> {
     /// Where something has a defect, looks whether it lies outside the domain of the map: whether the map projects onto a
@@ -47,19 +52,61 @@ impl Runner<'_> {
         Ok(())
     }
 
-    /// If something shows a defect, tests whether the symplectic form of non-canonical coordinates is degenerate.
+    /// Tests whether the symplectic form of non-canonical coordinates is degenerate, and whether the largest step keeps to the manifold.
     pub(super) fn look_for_leaf(
         &mut self,
         subject: Subject<'_>,
         given: &GivenLoop<'_>,
     ) -> Result<(), Error> {
-        let shows = |found: &LoopEvidence| found.shows_defect() || found.is_broken();
-        let by_jacobian = self.evidence.jacobian.as_ref();
-        if self.evidence.loops.iter().any(shows)
-            || by_jacobian.is_some_and(JacobianEvidence::shows_defect)
-        {
-            self.evidence.survey.degenerate_form = degenerate_form(subject, &given.size)?;
+        let Some(constraint) = subject.evaluator.constraint() else {
+            return Ok(());
+        };
+        self.evidence.survey.degenerate_form = degenerate_form(subject, &given.size)?;
+        if self.count.left() < STATES {
+            self.omit(Check::Constraint, Why::BUDGET);
+            return Ok(());
         }
+        let s: Vec<f64> = (0..STATES).map(parameter).collect();
+        let mut states = Ensemble::zeros(subject.dof(), STATES);
+        subject.phase_loop.sample(&s, &mut states.block());
+        let before = states.clone();
+        let fill = |first: usize, block: &mut Block<'_>| {
+            for c in 0..2 * subject.dof() {
+                for (k, value) in coordinate_mut(block, c).iter_mut().enumerate() {
+                    *value = coordinate(&before, c)[first + k];
+                }
+            }
+            Ok(())
+        };
+        let advanced = subject
+            .evaluator
+            .advance_from(&mut states, self.largest, fill);
+        match advanced {
+            Err(error) if error.is_of_map() => return Ok(()),
+            other => other?,
+        };
+        let mut projected = states.clone();
+        constraint.project(&mut projected.block());
+        // In coordinates with a one-form, positions are the coordinates, and momenta the values of the form.
+        let coordinates = match constraint.is_of_one_form() {
+            true => 0..subject.dof(),
+            false => 0..2 * subject.dof(),
+        };
+        let distance = |c: usize| {
+            let (radius, period) = (
+                given.size.radius[c / subject.dof()][c % subject.dof()],
+                period(subject.coordinates(), c),
+            );
+            (coordinate(&states, c).iter())
+                .zip(coordinate(&projected, c))
+                .map(|(of_step, on)| nearest(of_step - on, period).abs() / radius)
+                .fold(0.0, f64::max)
+        };
+        let off = coordinates
+            .map(distance)
+            .filter(|of| of.is_finite())
+            .fold(0.0, f64::max);
+        self.evidence.survey.off_manifold = Some(off).filter(|off| *off > WEAKEST_BOUND);
         Ok(())
     }
 }
