@@ -61,7 +61,7 @@ fn uniform_friction_is_told_from_friction_of_one_degree_of_freedom() {
     cause(
         &found,
         CauseKind::Friction,
-        &["γ = 0.2", "uniform friction"],
+        &["γ = 0.2", "Uniform friction"],
     );
     let found = verdict(&damped([0.2, 0.0]), &[0.3, 1.0], &[0.2, -0.1], 0.5);
     assert_eq!(found.kind, VerdictKind::NotSymplectic);
@@ -82,7 +82,7 @@ fn a_factor_that_only_loops_resolve_is_named() {
         })
     };
     let found = verdict(&damped(2e-11, 1), &[0.3, 1.0], &[0.2, -0.1], 0.5);
-    let words = ["of all loops, by 1 − 1.00", "uniform friction", "γ = 2.00"];
+    let words = ["on all loops, by 1 − 1.00", "Uniform friction", "γ = 2.00"];
     let friction = cause(&found, CauseKind::Friction, &words);
     assert!(!friction.text.contains("Jacobian"), "{}", friction.text);
     // A change in proportion to h² is not friction.
@@ -400,8 +400,31 @@ fn the_part_of_a_step_that_changes_areas_is_named() {
         kick(q, p);
     });
     let found = verdict(&kicks, &[0.1, 0.05], &[0.1, 0.2], 0.2);
-    let found = cause(&found, CauseKind::ForceWithCurl, &["The largest blocks"]);
+    let found = cause(
+        &found,
+        CauseKind::ForceWithCurl,
+        &["as with kicks by a force F(q)"],
+    );
     assert!(found.remedy.contains("check_force"));
+}
+
+#[test]
+fn momenta_in_another_order_are_no_friction() {
+    let reversed = PerSample::new(2, |h, q: &mut [f64], p: &mut [f64]| {
+        leapfrog(h, q, p, &|q| [-q[0].sin(), -q[1].sin()]);
+        p.reverse();
+    });
+    let found = verdict(&reversed, &[1.0, 0.2], &[0.5, 0.1], 1.0);
+    let found = cause(
+        &found,
+        CauseKind::IndependentOfStepSize,
+        &["about the same"],
+    );
+    assert!(
+        found.remedy.contains("in another order"),
+        "{}",
+        found.remedy
+    );
 }
 
 /// At the state of the Jacobian, the largest step is beyond the first term of its defect; loops show that it is of order 1.
@@ -442,7 +465,7 @@ fn few_fixed_point_iterations_are_named_by_the_block_that_is_zero() {
         });
         let found = verdict(&midpoint, &[0.1, 0.05], &[0.1, 0.2], 0.2);
         assert_eq!(found.kind, VerdictKind::NotSymplectic);
-        let words = ["qq 0 (", "one to three fixed-point iterations"];
+        let words = ["qq 0 (", "one to three iterations"];
         cause(&found, CauseKind::FewIterations, &words);
     }
 }
@@ -455,7 +478,10 @@ fn a_defect_that_is_the_same_at_all_step_sizes_is_no_friction() {
         p[0] *= 1.001;
     });
     let found = verdict(&rescaled, &[0.3], &[0.4], 0.5);
-    let words = ["by 1.001 ± ", "at all step sizes, as momenta in units"];
+    let words = [
+        "by 1.001 ± ",
+        "at all step sizes, as if the step returns momenta",
+    ];
     cause(&found, CauseKind::Friction, &words);
     // Of one momentum of two, and other things: no factor of all areas.
     let rounded = PerSample::new(2, |h, q, p| {

@@ -61,7 +61,7 @@ impl Clues<'_> {
                 cause.kind,
                 CauseKind::PartialFriction | CauseKind::FewIterations
             );
-            !is_vague || self.substep().is_none()
+            !is_vague || (self.substep().is_none() && !self.is_constant())
         })
     }
 
@@ -105,8 +105,11 @@ impl Clues<'_> {
             return None;
         }
         let (matrix, verb) = match is_end {
-            true => ("Poisson brackets after the step", "ends"),
-            false => ("MᵀJM − J of the Jacobian M", "begins"),
+            true => (
+                "the Poisson brackets after the step (less their canonical values)",
+                "ends",
+            ),
+            false => ("MᵀJM − J", "begins"),
         };
         let part = match kind {
             CauseKind::ForceWithCurl => format!("The step {verb} with a kick by a force F(q) that is not a gradient"),
@@ -116,12 +119,12 @@ impl Clues<'_> {
             CauseKind::PartialFriction => {
                 format!("The step {verb} with friction, or another change of p that depends on p, or of q on q")
             }
-            _ => "Stages may use old values of each other, as with a force at old positions, in explicit Runge–Kutta methods, and in \
-                  implicit methods after one to three fixed-point iterations, or momenta are rescaled"
+            _ => "Parts of the step may use old values of each other: a force at old positions, an explicit Runge–Kutta method, or an \
+             implicit method after one to three iterations. Momenta that are rescaled look the same"
                 .to_owned(),
         };
         let text = format!(
-            "{part}. Largest defects of {matrix} by kind of variables: {}.",
+            "{part}. Largest entries of {matrix}: {}.",
             blocks_text(side)
         );
         Some(Cause::new(kind, text, remedy(kind)))
@@ -154,7 +157,8 @@ impl Clues<'_> {
             ),
         };
         let text = format!(
-            "The largest blocks of the defect are those of {meaning}: before the step (MᵀJM − J): {}; after it (Poisson brackets): {}.",
+            "The Jacobian differs from a symplectic one as with {meaning}. Largest entries of MᵀJM − J: {}; of the Poisson brackets after \
+             the step: {}.",
             blocks_text(&blocks.before),
             blocks_text(&blocks.after)
         );

@@ -7,7 +7,7 @@ use crate::breaks::Break;
 use crate::evidence::{BreakSides, CoordinateAtBreak, Evidence, PositionAtBreak};
 use crate::signal::nearest;
 use crate::text::{loop_name, short, significant, two_digits};
-use crate::verdict::findings::{degrees_of_freedom, listed};
+use crate::verdict::findings::listed;
 use crate::verdict::thresholds::FLICKERING;
 
 /// Values that should be equal may differ by this part of what they are compared with. Conventional: far above rounding and the
@@ -105,12 +105,12 @@ impl Clues<'_> {
             Cause::new(
                 CauseKind::SolverTolerance,
                 format!(
-                    "At {flickering} of {breaks} breaks (all loops and steps), rounding errors decide which side of the jump a \
-                     neighbouring state gets: a solver inside the map stops at a tolerance."
+                    "At {flickering} of {breaks} breaks (all loops and steps), rounding errors decide on which side of the jump a state \
+                     falls, as in a solver that stops at a tolerance."
                 ),
                 format!(
-                    "Tighten the tolerance of the solver until the jumps are gone, or compare results to no better than the largest \
-                     of them, {}.",
+                    "Tighten the tolerance of the solver until the jumps are gone. Until then, results have errors of about {}, the size \
+                     of the largest jump.",
                     short(largest)
                 ),
             )
@@ -137,11 +137,17 @@ impl Clues<'_> {
         let of = sides.coordinates.first().filter(|of| of.jumps)?;
         let length = of.jump().abs();
         let of_q = of.coordinate == 'q';
+        // The other coordinate of the pair may be wrapped, too, and jump at other places.
         let jumps: Vec<_> = (self.jumps())
             .filter(|(_, jump)| jump.dof == of.dof)
+            .map(|(size, jump)| match of_q {
+                true => (size, jump.jump_q, jump.jump_p),
+                false => (size, jump.jump_p, jump.jump_q),
+            })
+            .filter(|(_, jump, other)| jump.abs() > EQUAL * other.abs())
             .collect();
         let elsewhere: Vec<f64> = (jumps.iter())
-            .map(|(_, jump)| if of_q { jump.jump_q } else { jump.jump_p })
+            .map(|(_, jump, _)| *jump)
             .chain(sides.places.iter().filter(|_| of_q).map(|at| at.jump_q))
             .map(f64::abs)
             .collect();
@@ -152,7 +158,7 @@ impl Clues<'_> {
             return None;
         }
         // Steps of one size do not tell a period from a force that jumps, unless the loop fits into the period.
-        let sizes = jumps.iter().map(|(size, _)| *size);
+        let sizes = jumps.iter().map(|(size, ..)| *size);
         if sizes.clone().all(|size| Some(size) == sizes.clone().next()) && length < of.radius {
             return None;
         }
@@ -160,8 +166,7 @@ impl Clues<'_> {
             .filter(|&dof| dof == of.dof || self.jumps_by(of.coordinate, dof, length))
             .collect();
         let length = plainest(length, of.after);
-        let key = if of_q { "period" } else { "momentum_period" };
-        let setting = setting_of(key, &dofs, sides.dof, length);
+        let setting = setting_of(of.coordinate, &dofs, sides.dof, length);
         let others = match dofs.len() == sides.dof {
             true => "",
             false => " Also state the periods of the other coordinates.",
@@ -226,7 +231,7 @@ impl Clues<'_> {
         Some(Cause::new(
             CauseKind::Wall,
             format!(
-                "{} changes its sign, from {} to {}{at}: the particle is reflected at a wall.",
+                "{} changes its sign, from {} to {}{at}, as at a wall that reflects particles.",
                 name(p),
                 significant(low),
                 significant(high)
@@ -520,10 +525,17 @@ fn plainest(length: f64, values: [f64; 2]) -> f64 {
 }
 
 /// A setting of some degrees of freedom: `period = [0, 6.283185307179586]`.
-fn setting_of(key: &str, of: &[usize], dofs: usize, value: f64) -> String {
+fn setting_of(letter: char, of: &[usize], dofs: usize, value: f64) -> String {
     const LISTED: usize = 32;
+    let key = match letter {
+        'q' => "period",
+        _ => "momentum_period",
+    };
     if dofs > LISTED {
-        return format!("{key} = {value} for {}", degrees_of_freedom(of));
+        return format!(
+            "{key} = {value} for {}",
+            listed(of.iter().map(|dof| format!("{letter}[{dof}]")))
+        );
     }
     let values = (0..dofs).map(|i| {
         if of.contains(&i) {

@@ -105,7 +105,7 @@ impl Clues<'_> {
     }
 
     /// Whether the defect is the same at all step sizes.
-    fn is_constant(&self) -> bool {
+    pub(super) fn is_constant(&self) -> bool {
         self.slope().is_some_and(|slope| slope.abs() <= TREND)
     }
 
@@ -120,11 +120,12 @@ impl Clues<'_> {
         let defect = one_digit(largest);
         let text = match self.noise() {
             _ if self.is_constant() => format!(
-                "The defect, at most {defect}, does not depend on the step size: it has the size of a tolerance or of a rounded constant, not of a method."
+                "The change, at most {defect}, does not depend on the step size, as errors of a tolerance or of a rounded constant do not. \
+                 Errors of a method do."
             ),
             Some(noise) if largest < FAR * noise => format!(
-                "The defect, at most {defect}, follows no power of h. The results of neighbouring states scatter by {} of the size of the \
-                 loop, which is more than rounding explains. Errors of this size can cause the defect, as those of a solver that stops \
+                "The change, at most {defect}, follows no power of h. The results of neighbouring states scatter by {} of the size of the \
+                 loop, which is more than rounding explains. Errors of this size can cause the change, for example in a solver that stops \
                  at a tolerance.",
                 one_digit(noise)
             ),
@@ -165,8 +166,8 @@ impl Clues<'_> {
         ((factor + 1.0).abs() <= SIGNIFICANT * of_factor).then(|| {
             Cause::new(
                 CauseKind::Swapped,
-                "A step changes the sign of all areas, of the Jacobian and of all loops, and nothing else: q and p are swapped, or one \
-                 of them has the wrong sign."
+                "A step changes the sign of all areas, on all loops and in the Jacobian, and nothing else: q and p are swapped, or one of \
+                 them has the wrong sign."
                     .into(),
                 "Check that the step returns q and p in this order, and the signs of both.",
             )
@@ -200,26 +201,27 @@ impl Clues<'_> {
         let kind = if factor < 1.0 { "friction" } else { "growth" };
         let jacobian = self.evidence.jacobian.as_ref();
         let by = match jacobian.is_some_and(|of| of.volume.is_some() && of.shows_defect()) {
-            true => ", of the Jacobian and of all loops,",
-            false => ", of all loops,",
+            true => ", on all loops and in the Jacobian,",
+            false => ", on all loops,",
         };
         let is_of_method = self.slope().is_some_and(|slope| slope > OF_A_MODEL);
         let meaning = match conformal.rate {
             // A factor that does not depend on the step size is not friction.
             _ if self.is_constant() => {
-                " at all step sizes, as momenta in units that the step changes do".to_owned()
+                " at all step sizes, as if the step returns momenta in other units than it takes".to_owned()
             }
-            _ if is_of_method => ", and the change falls faster than h: friction does not. A method that is not symplectic does this \
-                                  if the forces on the loops are linear, and so do momenta in units that the step changes"
+            _ if is_of_method => ", and the change falls faster than h, which friction does not. A method that is not symplectic does this \
+             if the forces on the loops are linear. Momenta that the step returns in other units do, too"
                 .to_owned(),
             Some([rate, of_rate]) => {
                 let sign = if rate > 0.0 { "−" } else { "" };
                 let rate = with_uncertainty(rate.abs(), of_rate);
                 format!(
-                    ", as uniform {kind} e^({sign}γh) with γ = {rate} does, or momenta in units that the step changes"
+                    ". Uniform {kind} e^({sign}γh) with γ = {rate} does this, and so does a reference momentum (a unit of p) that changes \
+                     in the step"
                 )
             }
-            None => ", as friction or momenta in units that the step changes do".to_owned(),
+            None => ". Uniform friction does this, and so does a reference momentum (a unit of p) that changes in the step".to_owned(),
         };
         let first = match is_of_method {
             true => self.remedy(),

@@ -34,8 +34,7 @@ impl Clues<'_> {
             CauseKind::VelocitiesForMomenta => (
                 "p are velocities or momenta in other units, or a force between two coordinates has a wrong factor",
                 form.weights_setting(),
-                "If these weights are masses or conversions of units, pass them (with all their digits, if you know them), or give the \
-                 momenta weight × p",
+                "If these weights are your masses or conversions of units, pass them with all their digits, or give the momenta weight × p",
             ),
             CauseKind::SignOfAPair => (
                 "a pair (q, p) has the other sign, as if q and p are interchanged, or a force between two coordinates has a wrong sign",
@@ -73,8 +72,8 @@ impl Clues<'_> {
             .step_size
             .map_or("The step".to_owned(), |h| format!("A step of {}", size(h)));
         let mut text = format!(
-            "{step} preserves another two-form than Σ dq∧dp: {}. Its integrals change by at most {} on {}, and its Jacobians agree \
-             at {} states. So {meaning}.",
+            "{step} conserves the areas of another form than Σ dq∧dp: {}. They change by at most {} on {}, and the Jacobian agrees at {} \
+             states. So {meaning}.",
             form.sum(),
             one_digit(bound),
             form.on_loops(),
@@ -101,7 +100,7 @@ impl Clues<'_> {
         // If one coordinate feels a force with a wrong factor, other units of its momentum make it a gradient.
         let otherwise = match kind {
             CauseKind::VelocitiesForMomenta | CauseKind::SignOfAPair => {
-                " Otherwise, test the force with `check_force`: a coupling with a wrong sign or factor looks the same."
+                " If they are not, test the force with `check_force`: a coupling with a wrong sign or factor looks the same."
             }
             CauseKind::KineticMomenta if form.step_size.is_some() => {
                 " A field does not depend on h. If a smaller step halves these numbers with h, there is no field: two kicks or drifts of the \
@@ -139,8 +138,8 @@ impl Clues<'_> {
             .step_size
             .map_or(String::new(), |h| format!(" of {}", size(h)));
         let text = format!(
-            "q and p are canonical, as the defect falls as h^{order}, and the method is not symplectic. A step{step} preserves a form that \
-             depends on h: {}. Its integrals change by at most {} on {}.",
+            "q and p are canonical, as the change is proportional to h^{order}, and the method is not symplectic. A step{step} conserves \
+             the areas of a form that depends on h: {}. They change by at most {} on {}.",
             form.sum(),
             one_digit(bound),
             form.on_loops()

@@ -15,6 +15,7 @@ use super::findings::Finding;
 use super::order::Fit;
 use super::properties::Property;
 use crate::evidence::Evidence;
+use crate::jacobian::JacobianEvidence;
 use crate::text::plain_numbers;
 
 /// The likeliest cause of a verdict that is not `symplectic`.
@@ -143,7 +144,20 @@ impl Clues<'_> {
 
     /// Why loops break.
     pub fn of_breaks(&self) -> Option<Cause> {
-        Self::OF_BREAKS.iter().find_map(|cause| cause(self))
+        let mut cause = Self::OF_BREAKS.iter().find_map(|cause| cause(self))?;
+        // A wall or a force is no reason for a defect of the Jacobian.
+        let jacobian = self.evidence.jacobian.as_ref();
+        if matches!(cause.kind, CauseKind::Wall | CauseKind::ForceJump)
+            && jacobian.is_some_and(JacobianEvidence::shows_defect)
+        {
+            cause.text += " The step also changes areas beside the jump, as its Jacobian shows.";
+            cause.remedy = format!(
+                "First look beside the jump for what changes areas there: friction, a reflection that changes |p|, a method that is not \
+                 symplectic. {}",
+                cause.remedy
+            );
+        }
+        Some(cause)
     }
 
     /// Why loop integrals change.
@@ -184,8 +198,8 @@ impl Cause {
         Cause::new(
             CauseKind::Clipped,
             format!(
-                "{states}, though they differ before it: {name} is clipped or set there, and the area of these states is lost \
-                 (det DΦ = 0)."
+                "{states}, though they differ before it. The step limits or sets {name} there, and the area of these states is lost (det M \
+                 = 0)."
             ),
             format!(
                 "Find where the step sets {name}: a wall, an absorbing boundary, a clamp, a limit. Move the loop away from it, until no \

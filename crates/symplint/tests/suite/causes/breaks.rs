@@ -306,6 +306,43 @@ fn momenta_that_are_wrapped_are_reflected_at_no_wall() {
 }
 
 #[test]
+fn periods_of_q_and_p_are_named_together() {
+    // The standard map on a torus.
+    let map = PerSample::new(1, |_, q: &mut [f64], p: &mut [f64]| {
+        p[0] += 0.9 * q[0].sin();
+        q[0] = (q[0] + p[0]).rem_euclid(TAU);
+        p[0] = p[0].rem_euclid(TAU);
+    });
+    let circle = Circle::new(vec![5.5], vec![0.5], 1.0).unwrap();
+    let diagnostic = Diagnostic {
+        budget: Some(20_000),
+        ..Diagnostic::without_step_size()
+    };
+    let found = diagnostic.run(&map, &circle).unwrap().verdict;
+    cause(&found, CauseKind::Period, &["by 6.28319 at every break"]);
+}
+
+#[test]
+fn a_wall_that_takes_momentum_is_no_wall_alone() {
+    for (kept, remedy) in [
+        (0.9, "First look beside the jump"),
+        (1.0, "Move the loop away"),
+    ] {
+        let map = PerSample::new(1, move |h, q, p| {
+            q[0] += 0.5 * h * p[0];
+            p[0] -= h * q[0].sin();
+            q[0] += 0.5 * h * p[0];
+            if q[0] > 1.5 {
+                (q[0], p[0]) = (3.0 - q[0], -kept * p[0]);
+            }
+        });
+        let found = verdict(&map, &[1.0], &[0.5], 1.0);
+        let found = cause(&found, CauseKind::Wall, &["p[0] changes its sign"]);
+        assert!(found.remedy.starts_with(remedy), "{}", found.remedy);
+    }
+}
+
+#[test]
 fn a_solver_with_a_large_tolerance_is_told_from_a_force_by_its_ratios() {
     // The implicit midpoint rule, whose iteration stops at the tolerance.
     let solver = |tolerance: f64| {
