@@ -439,7 +439,7 @@ static void integrals(void) {
     CHECK(symplint_loop_integral(1, SAMPLES, q, NULL, SAMPLES, 1, NULL, NULL, &other) == SYMPLINT_STATUS_NULL_POINTER);
     CHECK(symplint_loop_integral(1, SAMPLES, q, p, SAMPLES, 1, NULL, NULL, NULL) == SYMPLINT_STATUS_NULL_POINTER);
     CHECK(symplint_loop_integral(DOF, SAMPLES, q, p, SAMPLES, 1, NULL, no_weight, &other) ==
-              SYMPLINT_STATUS_BAD_ARGUMENT && says("weight of degree of freedom 1"));
+              SYMPLINT_STATUS_BAD_ARGUMENT && says("weight[1]"));
     const double *misaligned = (const double *)((const char *)q + 1);
     CHECK(symplint_loop_integral(1, SAMPLES - 1, misaligned, p, SAMPLES, 1, NULL, NULL, &other) ==
               SYMPLINT_STATUS_BAD_ARGUMENT && says("aligned"));

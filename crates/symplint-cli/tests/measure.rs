@@ -637,14 +637,8 @@ fn bad_options_are_refused() {
             &["before.npz", "a.npz", "--h", "large"],
             "invalid value 'large' for '--h <H>'",
         ),
-        (
-            &["before.npz", "a.npz", "--period=-1"],
-            "period of degree of freedom 0 is -1",
-        ),
-        (
-            &["before.npz", "a.npz", "--weight", "0"],
-            "weight of degree of freedom 0 is 0",
-        ),
+        (&["before.npz", "a.npz", "--period=-1"], "period[0] is -1"),
+        (&["before.npz", "a.npz", "--weight", "0"], "weight[0] is 0"),
         (
             &["before.npz", "a.npz", "--set", "loop.radius=2"],
             "unexpected argument '--set'",

@@ -85,11 +85,11 @@ impl Dependence {
     fn remedy(self) -> &'static str {
         match self {
             Dependence::EarlierCalls => {
-                ": compute times, forces, neighbour lists and first guesses from these, draw the same random numbers in every call, or \
-                 restore what the step keeps before each call (`reset`)"
+                "Compute times, forces, neighbour lists and first guesses from these, or restore them before each call (`reset`), and draw \
+                 the same random numbers in every call"
             }
             Dependence::Either => {
-                " (if it draws random numbers: give every row and every call the same ones)"
+                "If it draws random numbers, give every row and every call the same ones"
             }
         }
     }
@@ -119,7 +119,7 @@ pub enum Error {
         got: usize,
     },
     /// A period or weight that is not valid.
-    #[error("{what} of degree of freedom {dof} is {value}; {remedy}")]
+    #[error("{what}[{dof}] is {value}; {remedy}")]
     BadCoordinate {
         /// Period or weight.
         what: &'static str,
@@ -166,9 +166,7 @@ pub enum Error {
         count: usize,
     },
     /// The centre of a loop is not finite.
-    #[error(
-        "the loop's centre {coordinate} is {value} in degree of freedom {dof}; give finite centres"
-    )]
+    #[error("the loop's centre {coordinate}[{dof}] is {value}; give finite centres")]
     BadCentre {
         /// `q` or `p`.
         coordinate: &'static str,
@@ -225,8 +223,8 @@ pub enum Error {
     },
     /// A loop integral beyond the range of double precision.
     #[error(
-        "the loop integral of degree of freedom {dof} overflows (it is {value}); choose units in which \
-         positions and momenta are of moderate size"
+        "the loop integral of q[{dof}] and p[{dof}] overflows (it is {value}); choose units in which positions and momenta are of moderate \
+         size"
     )]
     Overflow {
         /// Degree of freedom.
@@ -249,8 +247,8 @@ pub enum Error {
     },
     /// The same state does not always become the same state.
     #[error(
-        "the result depends on {dependence}: the state{} has another result {circumstance}, and {coordinate}[{dof}] differs by \
-         {difference:.1e}{}; let a step depend only on h and the state{}",
+        "the result depends on {dependence}: the state{} has another result {circumstance} ({coordinate}[{dof}] differs by \
+         {difference:.1e}{}). A step must depend only on h and the state. {}",
         match .s { Some(s) => format!(" at s = {s} of the loop"), None => String::new() },
         with(*.step_size),
         dependence.remedy()
@@ -273,8 +271,8 @@ pub enum Error {
     },
     /// A stated period is not one of the map.
     #[error(
-        "{period:?} is not a period of the map in {coordinate}[{dof}]: two states that differ by it differ after the step \
-         by {difference:.1e} more; correct the period, or leave it out"
+        "{period:?} is not a period of {coordinate}[{dof}]: after the step, two states that differ by it are {difference:.1e} further \
+         apart; correct the period, or leave it out"
     )]
     NotAPeriod {
         /// `'q'` or `'p'`.
@@ -301,9 +299,8 @@ pub enum Error {
     },
     /// The loop is smaller than the rounding of its states.
     #[error(
-        "the loop is lost in rounding where it lies: its loop integral is {integral:e}, of which double \
-         precision leaves {roundoff:.1e} uncertain; take a larger loop, or coordinates in which it is \
-         nearer to the origin"
+        "the loop is too small for double precision at its distance from the origin: its loop integral is {integral:e}, of which double \
+         precision leaves {roundoff:.1e} uncertain; take a larger loop, or coordinates in which it is nearer to the origin"
     )]
     LostInRounding {
         /// The loop integral.
@@ -340,8 +337,8 @@ pub enum Error {
     },
     /// A loop that winds round a torus, on which ∮ p·dq has no value.
     #[error(
-        "the loop winds around a period of degree of freedom {dof}, whose momentum is periodic: ∮ p·dq has no value \
-         there; take a loop that can be contracted to a point"
+        "the loop winds around a period of q[{dof}] or p[{dof}], and both are periodic: ∮ p·dq has no value then; take a loop that can be \
+         contracted to a point"
     )]
     WindsRoundTorus {
         /// Degree of freedom.

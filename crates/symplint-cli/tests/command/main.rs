@@ -255,7 +255,7 @@ fn one_bad_step_size_is_named_and_the_others_are_measured() {
         ("hang", &["did not end within 2 s", "system.timeout"]),
         ("killed", &["ended with signal: 9"]),
         ("half", &["cannot be used", "{after}"]),
-        ("nothing", &["wrote no {after}"]),
+        ("nothing", &["did not write {after}"]),
         ("fifo", &["{after}, which is not a regular file"]),
         ("nan", &["p[0] = NaN"]),
         (

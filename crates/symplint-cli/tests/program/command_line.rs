@@ -247,14 +247,8 @@ fn bad_options_of_a_loop_are_refused() {
             &["--dof", "2", "--center", "1", "--q0", "1"],
             "cannot be used with",
         ),
-        (
-            &["--dof", "2", "--period", "-1"],
-            "period of degree of freedom 0",
-        ),
-        (
-            &["--dof", "2", "--weight", "1,0"],
-            "weight of degree of freedom 1",
-        ),
+        (&["--dof", "2", "--period", "-1"], "period[0]"),
+        (&["--dof", "2", "--weight", "1,0"], "weight[1]"),
         (&["--dof", "2", "--shape", "square"], "circle, fourier"),
         (
             &["--dof", "2", "--shape", "fourier", "--phases", "equal"],

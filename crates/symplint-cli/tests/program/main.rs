@@ -168,7 +168,7 @@ fn broken_loops_and_undecided_have_their_own_status() {
         (output.status.code(), text(&output.stdout).trim()),
         (
             Some(1),
-            "BROKEN LOOPS: ∮p·dq is conserved once breaks are closed"
+            "DISCONTINUOUS (broken loops): ∮p·dq is conserved once breaks are closed"
         )
     );
     // Runge and Kutta's method at small steps: a larger one shows its defect.
@@ -183,7 +183,7 @@ fn broken_loops_and_undecided_have_their_own_status() {
     ]);
     assert_eq!(
         (output.status.code(), text(&output.stdout).trim()),
-        (Some(3), "UNDECIDED")
+        (Some(3), "INCONCLUSIVE")
     );
 }
 
@@ -481,7 +481,7 @@ fn examples_of_mechanics_have_their_verdicts() {
         );
     }
     let loose = verdict("double-pendulum.toml", &["integrator.tolerance=1e-6"]);
-    assert_eq!(loose, (1, "BROKEN LOOPS".to_owned()));
+    assert_eq!(loose, (1, "DISCONTINUOUS (broken loops)".to_owned()));
     let (status, said) = verdict("double-pendulum.toml", &["integrator.iterations=3"]);
     assert_eq!(status, 1);
     assert!(said.starts_with("NOT SYMPLECTIC"), "{said}");

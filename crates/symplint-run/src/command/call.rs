@@ -119,7 +119,7 @@ impl Call<'_> {
             Ended::Exited(status) if !status.success() => Some(format!("ended with {status}")),
             // A FIFO would be waited for without a time limit.
             Ended::Exited(_) => match fs::metadata(&after) {
-                Err(_) => Some("wrote no {after}".to_owned()),
+                Err(_) => Some("did not write {after}, the file that system.command names (--keep keeps the files of all calls)".to_owned()),
                 Ok(there) if !there.is_file() => {
                     Some("wrote {after}, which is not a regular file".to_owned())
                 }
@@ -165,6 +165,9 @@ impl Call<'_> {
         let files = [create(output)?, create(error)?];
         run(&words, &self.program.folder, files, self.timeout).map_err(|error| match error.kind() {
             ErrorKind::NotFound => CallsError::NoProgram {
+                program: words[0].clone(),
+            },
+            ErrorKind::PermissionDenied => CallsError::NotExecutable {
                 program: words[0].clone(),
             },
             _ => CallsError::system(&format!("run `{}`", words[0]), &error),

@@ -60,6 +60,14 @@ pub enum CallsError {
         /// Its name.
         program: String,
     },
+    /// The program is not executable.
+    #[error(
+        "cannot run `{program}`: permission denied; make it executable (chmod +x), or put its interpreter before it in system.command"
+    )]
+    NotExecutable {
+        /// Its name.
+        program: String,
+    },
     /// The system could not start a process, or open or write a file.
     #[error(
         "cannot {action}: {reason}; check system.command and the limits of the system: end other processes or set system.workers \

@@ -37,7 +37,7 @@ pub enum RunError {
         reason: String,
     },
     /// The calls of another run are kept in the folder of `keep`.
-    #[error("system.keep: {0}")]
+    #[error("system.keep")]
     Keep(#[from] CommandError),
     /// The round of calls is missing.
     #[error("{} has no round of calls", path.display())]

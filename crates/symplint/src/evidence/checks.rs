@@ -35,9 +35,9 @@ macro_rules! checks {
 
 checks! {
     /// Radii of the loop that fit the map, if they are not given.
-    Radii: "radius of the loop", "Radii were not looked for";
+    Radii: "radius of the loop", "The search for radii was left out";
     /// Step sizes that test something, if they are not given.
-    StepSizes: "step sizes", "Step sizes were not looked for";
+    StepSizes: "step sizes", "The search for step sizes was left out";
     /// Whether results depend on earlier calls, on other rows of a batch or on random numbers; their precision.
     Memory: "repeated calls", "Whether results depend on earlier calls was not tested";
     /// The given loop at all step sizes.
@@ -53,15 +53,15 @@ checks! {
     /// Whether a loop whose integral changes can be contracted in the domain of the map.
     Contraction: "smaller loops", "Whether the loop can be contracted in the domain of the map was not tested";
     /// Which substep and which part of a loop has a defect.
-    Localisation: "where the change arises", "Where the defect comes from was not found";
+    Localisation: "where the change arises", "The origin of the change was not searched";
     /// The given loop in many steps.
     ManySteps: "many steps", "Many steps were left out";
     /// Why loops break: both sides of a break.
-    BreakSides: "both sides of a break", "Both sides of a break were not looked at";
+    BreakSides: "both sides of a break", "The cause of the breaks was not searched";
     /// Whether a map whose loops change preserves another constant two-form.
     PreservedForm: "other variables", "Whether another form is preserved was not tested";
     /// Whether steps back undo a step.
-    Structure: "further properties", "Whether steps back undo a step was not tested";
+    Structure: "further properties", "Time reversal and symmetry were not tested";
 }
 
 /// A check that was left out, or a part of one.

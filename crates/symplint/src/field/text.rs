@@ -145,6 +145,7 @@ impl FieldReport {
                     two_digits(curl.value),
                     two_digits(curl.error)
                 ),
+                false if curl.value + curl.error == 0.0 => "λ = 0".into(),
                 false => format!("λ is below {}", two_digits(curl.value + curl.error)),
             };
             let pairs = match (curl.all, curl.pairs) {
@@ -174,9 +175,13 @@ impl FieldReport {
             ));
         }
         if let Some((rate, error)) = evidence.damping {
+            let [change, kind] = match rate > 0.0 {
+                true => ["shrink", "friction on momenta"],
+                false => ["grow", "growth of momenta"],
+            };
             found.push(format!(
-                "All loops shrink at the same rate {} ± {}: uniform friction on momenta (a conformally Hamiltonian field).",
-                two_digits(rate),
+                "All loops {change} at the same rate {} ± {}: uniform {kind} (a conformally Hamiltonian field).",
+                two_digits(rate.abs()),
                 two_digits(error)
             ));
         }

@@ -43,7 +43,7 @@ impl Accept {
             Accept::Finite => "a finite number",
             Accept::Positive => "a number above 0",
             Accept::NotNegative => "a number that is not negative",
-            Accept::NotZero => "a number other than 0",
+            Accept::NotZero => "a finite number other than 0",
         }
     }
 

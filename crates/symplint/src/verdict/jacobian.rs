@@ -363,7 +363,7 @@ mod tests {
         let cases = [
             (Symplectic, &symplectic, Agreement::Symplectic, "agree."),
             (Symplectic, &not, Agreement::HiddenFromLoops, "symmetry"),
-            (Symplectic, &of(5e-12), below, "not above it"),
+            (Symplectic, &of(5e-12), below, "do not contradict"),
             (
                 Symplectic,
                 &noise,

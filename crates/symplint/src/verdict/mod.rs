@@ -86,9 +86,9 @@ impl VerdictKind {
     pub fn words(self) -> &'static str {
         match self {
             VerdictKind::Symplectic => "symplectic",
-            VerdictKind::BrokenLoops => "broken loops",
+            VerdictKind::BrokenLoops => "discontinuous",
             VerdictKind::NotSymplectic => "not symplectic",
-            VerdictKind::Undecided => "undecided",
+            VerdictKind::Undecided => "inconclusive",
         }
     }
 }
@@ -108,6 +108,9 @@ impl Verdict {
             return format!(
                 "{text} in these variables, symplectic to {digits} digits with {setting}"
             );
+        }
+        if self.kind == VerdictKind::BrokenLoops {
+            text += " (broken loops)";
         }
         if let Some(digits) = self.digits {
             text += &format!(" to {digits} digits");

@@ -332,7 +332,7 @@ impl Display for PropertyName {
 }
 
 impl Display for Property {
-    /// `not volume preserving (|det DΦ − 1| = 0.058)`.
+    /// `not volume preserving (|det M − 1| = 0.058)`.
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         match self.holds {
             Some(true) => write!(f, "{}", self.name)?,
@@ -371,8 +371,8 @@ impl Display for Property {
             }
             PropertyName::Volume => {
                 return match self.holds {
-                    Some(true) => write!(f, " (|det DΦ − 1| ≤ {bound})"),
-                    _ => write!(f, " (|det DΦ − 1| = {value})"),
+                    Some(true) => write!(f, " (|det M − 1| ≤ {bound})"),
+                    _ => write!(f, " (|det M − 1| = {value})"),
                 };
             }
             PropertyName::Energy => {
@@ -397,15 +397,17 @@ impl Display for Property {
                 }
                 return f.write_str(")");
             }
-            PropertyName::Reversible => format!("a step, {signs} and another step"),
-            PropertyName::Symmetric => "a step of h and one of −h".to_owned(),
+            PropertyName::Reversible => format!("step, {signs}, step"),
+            PropertyName::Symmetric => "a step of h, then −h".to_owned(),
         };
         match (self.holds, self.place) {
-            (Some(true), _) | (_, None) => write!(f, " ({way} return to within {bound} radii)"),
+            (Some(true), _) | (_, None) => {
+                write!(f, " ({way}: back at the start to {bound} of the radius)")
+            }
             (_, Some((coordinate, dof))) => {
                 write!(
                     f,
-                    " (after {way}, {coordinate}[{dof}] is {value} radii off)"
+                    " ({way}: {coordinate}[{dof}] misses the start by {value} of the radius)"
                 )
             }
         }

@@ -377,7 +377,7 @@ fn a_form_that_the_method_makes_is_no_sign_of_wrong_variables() {
     });
     let found = cause(&map, CauseKind::OtherForm);
     assert_eq!((found.setting, found.digits), (None, None));
-    assert!(found.text.contains("falls as h^3"), "{}", found.text);
+    assert!(found.text.contains("proportional to h^3"), "{}", found.text);
     let headline = diagnose(&map).verdict.headline();
     assert_eq!(
         headline,

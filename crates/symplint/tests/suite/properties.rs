@@ -244,7 +244,7 @@ fn uniform_damping_of_many_degrees_of_freedom_is_conformal_by_its_loops() {
     );
     let cause = found.cause.unwrap();
     assert_eq!(cause.kind, CauseKind::Friction);
-    assert!(cause.text.contains("of all loops,"), "{}", cause.text);
+    assert!(cause.text.contains("on all loops,"), "{}", cause.text);
     for damped in [1, 11] {
         let found = verdict(&ring(damped), false);
         assert_eq!(found.kind, VerdictKind::NotSymplectic);
@@ -435,9 +435,9 @@ fn properties_are_said_in_one_line_each() {
     let begins = [
         "not symplectic",
         "conformally symplectic (a step multiplies all areas by 0.951229",
-        "not volume preserving (|det DΦ − 1| = 0.095)",
-        "not time-reversible (after a step, p → −p and another step, ",
-        "symmetric (a step of h and one of −h return to ",
+        "not volume preserving (|det M − 1| = 0.095)",
+        "not time-reversible (step, p → −p, step: ",
+        "symmetric (a step of h, then −h: back at the start to ",
     ];
     for (text, begin) in texts.iter().zip(begins) {
         assert!(text.starts_with(begin), "{text}");
@@ -542,7 +542,7 @@ fn a_step_back_that_fails_leaves_its_property_unknown() {
     assert_eq!(holds(&found, PropertyName::Symmetric), None);
     let said = found.sentences().join("\n");
     assert!(
-        said.contains("Whether steps back undo a step was not tested: "),
+        said.contains("Time reversal and symmetry were not tested: "),
         "{said}"
     );
 }

@@ -4,7 +4,7 @@ use std::fmt::{Display, Formatter, Result};
 
 use serde::Serialize;
 
-use super::{Step, StepRange, degrees_of_freedom, plural};
+use super::{Step, StepRange, coordinates, plural};
 use crate::text::{capitalised, loop_name, short, size};
 
 /// Bounds on the change of loop integrals.
@@ -141,7 +141,7 @@ impl Display for BoundFinding {
                 }
             }
             BoundFinding::WeakBound { bound, step, .. } => {
-                write!(f, "The defect {step} is only bounded by {bound:.1e}.")
+                write!(f, "All that is known {step} is that the change is below {bound:.1e}. A verdict needs a bound of 1e-6.")
             }
             BoundFinding::Group {
                 index,
@@ -181,8 +181,8 @@ impl Display for BoundFinding {
                 step,
             } => write!(
                 f,
-                "Neighbouring samples of {} are {} cells of the map's grid (or half periods) apart {step}, so they do not \
-                 resolve the loop.",
+                "Neighbouring samples of {} are {} grid cells (or half periods) apart {step}: there are too few samples to resolve the \
+                 loop.",
                 loop_name(*loop_index),
                 short(*cells_apart)
             ),
@@ -263,17 +263,20 @@ fn group(
 ) -> Result {
     write!(
         f,
-        "Group {} of {of}, {}, ",
+        "Group {} of {of} ({} and their momenta), ",
         index + 1,
-        degrees_of_freedom(dofs)
+        coordinates('q', dofs)
     )?;
     match index {
         0 => f.write_str("with the largest actions: ")?,
-        _ => write!(f, "whose actions are {action:.0e} of the largest or less: ")?,
+        _ => write!(
+            f,
+            "whose actions (areas of the loop in the planes of q[i] and p[i]) are {action:.0e} of the largest or less: "
+        )?,
     }
     match by_loops {
         Some(bound) => write!(f, "|E| ≤ {bound:.1e} on {loops} loops")?,
-        None => f.write_str("no loop bounds its defect")?,
+        None => f.write_str("no loop bounds its change")?,
     }
     match by_jacobian {
         Some(bound) => write!(f, "; the Jacobian bounds it by {bound:.1e}."),

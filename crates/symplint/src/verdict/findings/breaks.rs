@@ -83,7 +83,7 @@ impl Display for BreakFinding {
                 };
                 write!(
                     f,
-                    "The map is discontinuous in double precision: {} at s = {:.6}.{closed}",
+                    "The map is discontinuous: {} between two neighbouring states, at s = {:.6}.{closed}",
                     jumping(jump.dof, jump.jump_q, jump.jump_p),
                     jump.s
                 )
@@ -100,7 +100,10 @@ impl Display for BreakFinding {
                 false => fmt_jump(f, *loop_index, step, (*breaks, *at_least), jump),
             },
             BreakFinding::BrokenCount { broken, of } => {
-                write!(f, "{broken} of {of} advanced loops are broken.")
+                write!(
+                    f,
+                    "{broken} of {of} advanced loops are broken (your loop at each step size, and random loops)."
+                )
             }
             BreakFinding::ClosedConserved {
                 bound,
@@ -128,14 +131,14 @@ impl Display for BreakFinding {
                     ),
                     (false, Some(bend)) => write!(
                         f,
-                        "With its breaks closed by straight segments the integral of {name} differs by {change} {step}. This \
-                         does not count as evidence: q and p of a degree of freedom jump together, and other curves across the \
-                         breaks contribute about as much as {bend:.1e}."
+                        "If straight lines close its breaks, the integral of {name} changes by {change} {step}. This does not count as \
+                         evidence: q and p of a degree of freedom jump together, and other curves across the breaks contribute about as \
+                         much as {bend:.1e}."
                     ),
                     (true, _) => write!(
                         f,
-                        "With its breaks closed{by_chords} the integral of {name} differs by {change} {step}. This \
-                         does not count as evidence: the curve that closes a break is not known, because the substeps are not."
+                        "With its breaks closed{by_chords} the integral of {name} changes by {change} {step}. This does not count as \
+                         evidence: the curve that closes a break depends on the substeps, which are not known."
                     ),
                 }
             }
@@ -189,7 +192,7 @@ fn sizes(jump: &Break) -> String {
 /// How breaks are closed, if it is not in the substeps that cause them.
 fn by_chords(straight: bool) -> &'static str {
     match straight {
-        true => " by straight chords (substeps unknown)",
+        true => " by straight chords",
         false => "",
     }
 }
@@ -197,8 +200,8 @@ fn by_chords(straight: bool) -> &'static str {
 fn fmt_sampled_jump(f: &mut Formatter<'_>, step: &Step, jump: &Break) -> Result {
     write!(
         f,
-        "The largest jump {step}, near s = {:.6}, is {} in q[{dof}] and {} in p[{dof}], with every sample as with every \
-         second and every fourth.",
+        "The largest jump {step}, near s = {:.6}, is {} in q[{dof}] and {} in p[{dof}]. It is as large among every second and every fourth \
+         sample, as a true jump is.",
         jump.s,
         two_digits(jump.jump_q),
         two_digits(jump.jump_p),

@@ -4,7 +4,7 @@ use std::fmt::{Display, Formatter, Result};
 
 use serde::Serialize;
 
-use super::{Change, Step, degrees_of_freedom};
+use super::{Change, Step, coordinates};
 use crate::text::{capitalised, loop_name, power_of_h, size, two_digits};
 use crate::verdict::order::Fit;
 
@@ -127,8 +127,8 @@ impl Display for ChangeFinding {
                 bound,
             } => write!(
                 f,
-                "The defect of {defect:.1e} {step} is gone {smaller} (|E| ≤ {bound:.1e}), which no power of h explains: an \
-                 iteration fails to converge {step}, or larger steps reach states at which the step is wrong."
+                "The change of {defect:.1e} {step} is gone {smaller} (|E| ≤ {bound:.1e}), which no power of h explains: an iteration fails \
+                 to converge {step}, or larger steps reach states at which the step is wrong."
             ),
             ChangeFinding::Law {
                 fit,
@@ -140,12 +140,12 @@ impl Display for ChangeFinding {
                 step_sizes: [large, small],
             } => write!(
                 f,
-                "No order is stated: {} falls as h^{:.2}, and the defect of the Jacobian as h^{by_jacobian:.2} between h = {} \
-                 and h = {}.",
-                loop_name(by_loops.loop_index),
-                by_loops.slope,
+                "No power of h is stated: between h = {} and h = {}, the change of {} is proportional to h^{:.2}, and the defect of the \
+                 Jacobian to h^{by_jacobian:.2}.",
                 size(*small),
-                size(*large)
+                size(*large),
+                loop_name(by_loops.loop_index),
+                by_loops.slope
             ),
             ChangeFinding::Unexplained {
                 defect,
@@ -153,8 +153,7 @@ impl Display for ChangeFinding {
                 step,
             } => write!(
                 f,
-                "A defect of {defect:.1e} {step} is more than quadrature error and round-off explain \
-                 ({uncertainty:.1e}), but not significant."
+                "The integral changes by {defect:.1e} {step}, with an uncertainty of {uncertainty:.1e}: not enough for a verdict."
             ),
             ChangeFinding::AllLoopsWind => f.write_str(
                 "Every loop winds around a period: even a symplectic map may change such an integral.",
@@ -166,8 +165,8 @@ impl Display for ChangeFinding {
                 step,
             } => write!(
                 f,
-                "{} winds around {}, and its integral changes by {:+.3e} {step}: the map is not exact; no \
-                 Hamiltonian of that period generates it.",
+                "{} winds around {}, and its integral changes by {:+.3e} {step}: no Hamiltonian with this period generates the map. It may \
+                 still be symplectic.",
                 capitalised(&loop_name(*loop_index)),
                 periods(wound),
                 change.signed
@@ -178,8 +177,8 @@ impl Display for ChangeFinding {
                 wound,
             } => write!(
                 f,
-                "{} winds around {}, and cannot be contracted. Its integral is also conserved, to {bound:.1e}: the map appears to be \
-                 exact around this period.",
+                "{} winds around {}, and cannot be contracted to a point. Its integral is also conserved, to {bound:.1e}, as by a map that \
+                 a Hamiltonian with this period generates.",
                 capitalised(&loop_name(*loop_index)),
                 periods(wound)
             ),
@@ -197,7 +196,7 @@ fn slope(fit: &Fit, between_breaks: bool) -> String {
         format!(" and a constant part of {constant:+.1e}")
     });
     format!(
-        "The defect of {what} goes as h^({:.2} ± {:.2}){constant} between h = {} and h = {}.",
+        "The change of {what} is proportional to h^({:.2} ± {:.2}){constant} between h = {} and h = {}.",
         fit.slope,
         fit.uncertainty,
         size(fit.from),
@@ -223,6 +222,6 @@ fn law(fit: &Fit) -> String {
 fn periods(dofs: &[usize]) -> String {
     match dofs {
         [] => "a period".to_owned(),
-        dofs => format!("the period of {}", degrees_of_freedom(dofs)),
+        dofs => format!("the period of {}", coordinates('q', dofs)),
     }
 }

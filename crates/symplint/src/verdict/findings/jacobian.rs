@@ -52,7 +52,7 @@ impl Display for JacobianVerdict {
                 }
             }
             JacobianVerdict::Undecided { reason } => {
-                write!(f, "is not accurate enough for a verdict: {reason}")
+                write!(f, "gives no verdict: {reason}")
             }
         }
     }
@@ -71,13 +71,14 @@ impl Display for Inconclusive {
             ),
             Inconclusive::LittleDeformation { deformation } => write!(
                 f,
-                "the step deforms tangent vectors by only {} of their size, and every accurate method does so little",
+                "the step is small: it deforms tangent vectors by {} of their size, and every accurate method is nearly symplectic then. \
+                 Take a larger step",
                 short(*deformation)
             ),
             Inconclusive::WeakBound { bound, noise } => write!(
                 f,
-                "derivatives only bound the defect by {bound:.1e}, with a noise of the map of \
-                 {noise:.1e} of the loop's size; take a larger loop or double precision"
+                "differences only show that the defect is below {bound:.1e}, as the map has noise of {noise:.1e} of the loop's size; take \
+                 a larger loop or double precision"
             ),
             Inconclusive::Unexplained { worst } => write!(
                 f,
@@ -107,27 +108,25 @@ impl Display for Agreement {
             Agreement::BelowBoundOfLoops { bound } => {
                 return write!(
                     f,
-                    "Both can be right: the loops bound their defect by {bound:.1e}, and that of the \
-                     Jacobian is not above it."
+                    "They do not contradict each other: the loops show that the change is below {bound:.1e}, and the defect of the \
+                     Jacobian is smaller."
                 );
             }
             Agreement::HiddenFromLoops => {
-                "The Jacobian counts: a loop integral changes by the defect averaged over the area \
-                 within the loop. Parts of either sign cancel there, for example by a symmetry of the \
-                 loop, and a loop that does not move these degrees of freedom does not show the defect. Try \
-                 loops without symmetry, through the point named."
+                "Trust the Jacobian: a loop integral changes by the average of the defect over the area within the loop. Parts of opposite \
+                 sign cancel, for example by a symmetry of the loop, and a loop that does not move these degrees of freedom does not show \
+                 the defect. Try loops without symmetry through this point."
             }
             Agreement::HiddenFromJacobian { full, bound } => {
                 let mut text = String::from(
-                    "The loops count: derivatives were taken at a few points only. The loop integral \
-                     can change within the loop, on the loop between the points, or at jumps that the \
-                     samples do not show as breaks",
+                    "Trust the loops: derivatives were taken at a few points only. The loop integral can change within the loop, on the \
+                     loop between the points, or at jumps that the samples do not show as breaks",
                 );
                 if !full {
                     text += ", or in directions that random pairs mix with too many others";
                 }
                 if let Some(bound) = bound {
-                    text += &format!("; and a defect below {bound:.1e} does not show");
+                    text += &format!(". The Jacobian does not show a defect below {bound:.1e}");
                 }
                 return write!(f, "{text}. Try more points and more samples.");
             }
@@ -147,7 +146,7 @@ impl Display for Agreement {
 impl Display for JacobianMethod {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         match self {
-            JacobianMethod::TangentMap => f.write_str("tangent map"),
+            JacobianMethod::TangentMap => f.write_str("exact derivatives"),
             JacobianMethod::CentralDifferences { rejected: None } => {
                 f.write_str("central differences")
             }

@@ -43,7 +43,8 @@ impl Display for LocalisationFinding {
             LocalisationFinding::Sectors { sectors, step } => fmt_sectors(f, sectors, step),
             LocalisationFinding::Blocks { blocks } => write!(
                 f,
-                "Largest defects by kind of variables, before the step (MᵀJM − J): {}. After it (Poisson brackets): {}.",
+                "Largest entries of MᵀJM − J, between two positions (qq), a position and a momentum (qp), and two momenta (pp): {}. The \
+                 same for the Poisson brackets after the step: {}.",
                 blocks_text(&blocks.before),
                 blocks_text(&blocks.after)
             ),
@@ -144,7 +145,7 @@ fn fmt_sectors(f: &mut Formatter<'_>, sectors: &[Sector], step: &Step) -> Result
     let Some(largest) = largest_sector(sectors) else {
         return write!(
             f,
-            "No sector of the disc within the loop changes by much more than the others {step}."
+            "No part of the loop contributes much more than the others {step}."
         );
     };
     let all: f64 = sectors.iter().map(|sector| sector.change.abs()).sum();
@@ -153,8 +154,8 @@ fn fmt_sectors(f: &mut Formatter<'_>, sectors: &[Sector], step: &Step) -> Result
     if share >= LARGE_SHARE {
         write!(
             f,
-            "Of {count} sectors of the disc within the loop, the one from s = {} to {} changes most {step}: by \
-             {:+.2e}, {percent}% of the sum of all absolute changes.",
+            "Of {count} sectors of the loop, the one from s = {} to {} contributes most {step}: {:+.2e}, {percent}% of the sum of all \
+             absolute changes.",
             significant(largest.from),
             significant(largest.to),
             largest.change
@@ -162,8 +163,7 @@ fn fmt_sectors(f: &mut Formatter<'_>, sectors: &[Sector], step: &Step) -> Result
     } else {
         write!(
             f,
-            "The defect {step} is spread over the disc within the loop: the largest of {count} sectors has {percent}% of the \
-             sum of all absolute changes."
+            "The change {step} comes from all parts of the loop: none of {count} sectors contributes more than {percent}%."
         )
     }
 }

@@ -69,24 +69,24 @@ impl Display for MapFinding {
             ),
             MapFinding::Scatter(scatter) => fmt_scatter(f, scatter),
             MapFinding::IgnoresStepSize => f.write_str(
-                "The step ignores h: a state has the same result at all step sizes, so that the defect has no order in h.",
+                "The step ignores h: a state has the same result at all step sizes, so the change follows no power of h.",
             ),
             MapFinding::WrongPeriod(wrong) => write!(
                 f,
-                "{:?} is not a period of the map in {}[{}]: two states that differ by it differ after the step by {:.1e} \
-                 more. No random loop winds around it. Correct the period, or leave it out.",
+                "{:?} is not a period of {}[{}]: after the step, two states that differ by it are {:.1e} further apart. No random loop \
+                 winds around it. Correct the period, or leave it out.",
                 wrong.period, wrong.coordinate, wrong.dof, wrong.difference
             ),
             MapFinding::Regularity { exponent, step } => {
                 write!(
                     f,
-                    "{} your advanced loop is in H^{exponent:.1}, by the decay of its Fourier coefficients",
+                    "{} your advanced loop is not smooth: its Fourier coefficients decay as for H^{exponent:.1}",
                     capitalised(&step.to_string())
                 )?;
                 match roughness(*exponent) {
                     Some(roughness) => write!(
                         f,
-                        ": it has {roughness}, or slopes that the samples do not resolve."
+                        ". It has {roughness}, or slopes that the samples do not resolve."
                     ),
                     None => f.write_str("."),
                 }
@@ -138,8 +138,8 @@ fn fmt_precision(f: &mut Formatter<'_>, precision: &OutputPrecision) -> Result {
     };
     write!(
         f,
-        "After the step {}[{}] {format}, at every sample: the map rounds what it returns, to about {:.0e}. A single \
-         state is known to this precision; the loop integral averages over many.",
+        "After the step {}[{}] {format}, at every sample: the map rounds what it returns, to about {:.0e}. Each state has this error. The \
+         loop integral averages over many states, and is more accurate.",
         precision.coordinate, precision.dof, precision.unit
     )
 }
@@ -173,13 +173,13 @@ fn moves(f: &mut Formatter<'_>, motion: &Motion, has_step_size: bool) -> Result 
     } else {
         write!(
             f,
-            "{subject} advances the motions on a loop by {} rad.",
+            "{subject} rotates the loop by up to {} rad (phase advance).",
             short(motion.phase_advance)
         )?;
         match has_step_size && motion.phase_advance <= MOST_OF_THE_SERIES {
             true => write!(
                 f,
-                " A Runge–Kutta method of order 4 would change the loop integral by about {}.",
+                " In such a step, a Runge–Kutta method of order 4 changes ∮p·dq by about {}.",
                 one_digit(defect_of_order_4(motion.phase_advance))
             ),
             false => Ok(()),
@@ -193,12 +193,12 @@ fn beyond(f: &mut Formatter<'_>, reach: &Reach, more: bool) -> Result {
         Some(_) if !more => {
             f.write_str("Larger step sizes move the loops no further: a random loop")?
         }
-        Some(h) => write!(f, "At h = {} a random loop", size(h))?,
+        Some(h) => write!(f, "Beyond it, at h = {}, a random loop", size(h))?,
         None => write!(f, "A random loop {} times as large", short(reach.factor))?,
     }
     let moved = step.motion.filter(|moved| more && !moved.shear);
     if let Some(moved) = moved {
-        write!(f, " is advanced by {} rad, and", short(moved.phase_advance))?;
+        write!(f, " is rotated by {} rad, and", short(moved.phase_advance))?;
     }
     match reach.shows_defect() {
         true => write!(
@@ -220,14 +220,14 @@ fn little_motion(f: &mut Formatter<'_>, motion: &Motion, group: Option<usize>) -
     } else if motion.shear {
         write!(
             f,
-            "The largest step is a kick or a free flight alone, and deforms a loop by only {:.1e} of its size, too \
-             little to show a defect.",
+            "The largest step is a kick or a free flight alone, and deforms a loop by only {:.1e} of its size, too little to show a \
+             change.",
             motion.deformation
         )
     } else {
         write!(
             f,
-            "The largest step advances the motions on a loop{} by only {:.1e} rad, too little to show a defect.",
+            "The largest step rotates a loop{} by only {:.1e} rad, too little to show a change.",
             match group {
                 None => String::new(),
                 Some(index) => format!(" of group {}", index + 1),

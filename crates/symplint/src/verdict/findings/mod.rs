@@ -75,7 +75,7 @@ impl Finding {
             Finding::Samples(_) => "Samples",
             Finding::Breaks(_) => "Breaks",
             Finding::Changes(ChangeFinding::Law { .. } | ChangeFinding::OrdersDiffer { .. }) => {
-                "Order"
+                "Power of h"
             }
             Finding::Changes(ChangeFinding::Significant { .. }) => "Largest",
             Finding::Changes(ChangeFinding::Exact { .. } | ChangeFinding::NotExact { .. }) => {
@@ -210,9 +210,7 @@ pub(super) fn listed(names: impl ExactSizeIterator<Item = String>) -> String {
     named.join(", ") + &further
 }
 
-/// Some of them by number.
-pub(super) fn degrees_of_freedom(dofs: &[usize]) -> String {
-    let plural = if dofs.len() == 1 { "degree" } else { "degrees" };
-    let numbers = listed(dofs.iter().map(usize::to_string));
-    format!("{plural} of freedom {numbers}")
+/// Some coordinates: `q[0], q[2]`.
+pub(super) fn coordinates(letter: char, dofs: &[usize]) -> String {
+    listed(dofs.iter().map(|dof| format!("{letter}[{dof}]")))
 }

@@ -3,7 +3,7 @@
 use std::fmt::{Display, Formatter, Result};
 
 use crate::evidence::{Check, Omission, Why};
-use crate::text::{capitalised, loop_name, size};
+use crate::text::{loop_name, size};
 
 impl Display for Omission {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
@@ -29,10 +29,10 @@ impl Display for Omission {
         match &self.why {
             Why::Budget { .. } => write!(f, "{left_out}: the budget was too small."),
             Why::Unresolved => {
-                let name = capitalised(&loop_name(0));
                 write!(
                     f,
-                    "{name} was not resolved to round-off: the budget was too small."
+                    "The samples do not resolve {} to rounding error: the budget was too small.",
+                    loop_name(0)
                 )
             }
             Why::Memory { samples } => {

@@ -77,16 +77,16 @@ fn fmt_long_time(f: &mut Formatter<'_>, found: &LongTime, growth: Growth) -> Res
     if *steps == 0 {
         return write!(
             f,
-            "What {asked} steps do with the defect is not known: after one step already, {samples} samples do not resolve the loop. Take \
-             a smaller loop or more samples."
+            "The change in {asked} steps was not measured: after the first step, {samples} samples do not resolve the loop. Take a smaller \
+             loop or more samples."
         );
     }
     match growth {
-        Growth::None => write!(f, "No defect adds up in {steps} steps.")?,
+        Growth::None => write!(f, "No change adds up in {steps} steps.")?,
         Growth::Bounded => write!(
             f,
-            "In {steps} steps the defect stays bounded: it reaches {early:.1e} in the first quarter and {late:.1e} in the \
-             last, and falls back to {least:.1e}. Methods that are conjugate to a symplectic one do this."
+            "In {steps} steps the change stays bounded: it reaches {early:.1e} in the first quarter and {late:.1e} in the last, and falls \
+             back to {least:.1e}. Methods that are conjugate to a symplectic one do this."
         )?,
         Growth::Grows => {
             let law = exponent.map_or(String::new(), |exponent| match exponent {
@@ -96,7 +96,7 @@ fn fmt_long_time(f: &mut Formatter<'_>, found: &LongTime, growth: Growth) -> Res
             });
             write!(
                 f,
-                "In {steps} steps the defect adds up{law}, from {early:.1e} in the first quarter to {late:.1e} in the last."
+                "In {steps} steps the change adds up{law}, from {early:.1e} in the first quarter to {late:.1e} in the last."
             )?;
             if let Some([value, error]) = predicted {
                 let half = steps / 2;
@@ -108,10 +108,7 @@ fn fmt_long_time(f: &mut Formatter<'_>, found: &LongTime, growth: Growth) -> Res
                 )?;
             }
         }
-        Growth::Undecided => write!(
-            f,
-            "{steps} steps do not show whether the defect accumulates."
-        )?,
+        Growth::Undecided => write!(f, "{steps} steps do not show whether the change adds up.")?,
     }
     if steps < asked {
         write!(
