@@ -462,7 +462,7 @@ def test_simulations_of_impactx_that_are_refused(simulation):
 
 
 def has_exact_jacobian(report):
-    return any("Jacobian" in sentence and "(tangent map)" in sentence for sentence in report.sentences)
+    return any("Jacobian" in sentence and "(exact derivatives)" in sentence for sentence in report.sentences)
 
 
 @pytest.mark.parametrize(

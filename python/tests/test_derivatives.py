@@ -6,7 +6,7 @@ import symplint
 
 CENTRE = ([1.0, 0.3], [0.5, -0.2])
 SIZES = {"step_sizes": [0.5, 0.25, 0.125]}
-EXACT = "(tangent map)"
+EXACT = "(exact derivatives)"
 
 
 def leapfrog(q, p, h):

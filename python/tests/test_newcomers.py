@@ -141,7 +141,7 @@ MISTAKES = {
     "a step size as a text": (good, ONE, {"step_sizes": "0.5"}, ['step_sizes is "0.5"', '"none"']),
     "no radius": (good, ONE, {"radius": 0.0}, ["radius is 0.0", '"auto"']),
     "a small budget": (good, ONE, {"budget": 100}, ["budget is 100", "at least 200"]),
-    "a mass of zero": (good, ONE, {"weight": [0.0]}, ["weight of degree of freedom 0 is 0"]),
+    "a mass of zero": (good, ONE, {"weight": [0.0]}, ["weight[0] is 0"]),
     "a period too many": (good, ONE, {"period": [1.0, 1.0]}, ["period has 2 values for 1"]),
     "an unknown rule": (good, ONE, {"rule": "spectral"}, ['rule is "spectral"', '"pseudospectral"']),
     "an open loop": (
