@@ -24,10 +24,9 @@ const STAIRS: [f64; 10] = [0.0, 1.13, 2.77, 3.83, 5.43, 6.55, 7.8, 9.21, 10.37, 
 /// double precision; and at most this multiple of it.
 const PARTS: [f64; 2] = [0.02, 4.0];
 
-/// The displacements of the last test, in units of single precision, and the least change of a result over them that rounding of the state
-/// does not leave. Conventional: at a thousandth of a unit, a result in single precision jumps at few sites.
-const OF_A_UNIT: f64 = 1e-3;
-const LEAST_SLOPE: f64 = 0.01;
+/// The displacements of the last test, in those of the first. Conventional: sixth differences of a wave fall to 4e-6 of themselves, and
+/// a result in single precision still jumps at most sites.
+const CLOSER: f64 = 0.125;
 
 /// Results of single precision differ by less than this part of their rounding, if the same states are advanced in another
 /// order: few sums of a matrix product add up otherwise. Independent noise differs by √2 of itself.
@@ -77,7 +76,17 @@ pub(super) fn rounding_inside(subject: Subject<'_>, h: f64) -> Result<Option<Vec
         let of_sites = noise.iter().map(|of_site| of_site[c]);
         of_sites.fold(0.0, f64::max)
     };
-    let single: Vec<usize> = (0..2 * dof).filter(|&c| is_single(c)).collect();
+    let mut single: Vec<usize> = (0..2 * dof).filter(|&c| is_single(c)).collect();
+    if single.is_empty() {
+        return Ok(None);
+    }
+    // A unit may be as long as a wave of the map.
+    let closer: Vec<f64> = units.iter().map(|unit| CLOSER * unit).collect();
+    let closer = self::noise(
+        subject,
+        &stairs(subject, h, &SITES, &closer, |point| point)?,
+    );
+    single.retain(|&c| closer.iter().any(|of_site| shows(c, of_site[c])));
     if single.is_empty() {
         return Ok(None);
     }
@@ -86,11 +95,6 @@ pub(super) fn rounding_inside(subject: Subject<'_>, h: f64) -> Result<Option<Vec
     let of_sites = |c: usize| noise.iter().map(|of_site| of_site[c].powi(2)).sum::<f64>();
     let is_other = |&c: &usize| other_order[c] > OF_OTHER_ORDER.powi(2) * of_sites(c);
     if single.iter().any(is_other) {
-        return Ok(None);
-    }
-    // A map in double precision may scatter as much if a unit of single precision is as long as its waves.
-    let slopes = slopes(subject, h, &units)?;
-    if single.iter().all(|&c| depends_on_digits(&slopes[c])) {
         return Ok(None);
     }
     let inside = |c: usize| units[c].max(STEPS_OF_NOISE * largest(c));
@@ -120,26 +124,6 @@ fn in_other_order(
         }
     }
     Ok(sums)
-}
-
-/// The changes of each coordinate, site by site, over displacements that are much shorter than a unit of single precision.
-fn slopes(subject: Subject<'_>, h: f64, units: &[f64]) -> Result<Vec<Vec<f64>>, Error> {
-    let short: Vec<f64> = units.iter().map(|unit| unit * OF_A_UNIT).collect();
-    let images = stairs(subject, h, &SITES, &short, |point| point)?;
-    let last = STAIRS.len() - 1;
-    let slopes = |c: usize| {
-        let period = period(subject.coordinates(), c);
-        (coordinate(&images, c).chunks(STAIRS.len()))
-            .map(|site| nearest(site[last] - site[0], period) / (STAIRS[last] * short[c]))
-            .collect()
-    };
-    Ok((0..units.len()).map(slopes).collect())
-}
-
-/// Whether the result depends on digits that single precision does not have: it is neither constant, nor the state and a constant.
-fn depends_on_digits(slopes: &[f64]) -> bool {
-    let depends = |slope: &&f64| slope.abs().min((*slope - 1.0).abs()) > LEAST_SLOPE;
-    slopes.iter().filter(depends).count() + 1 >= slopes.len()
 }
 
 /// The images of the points of some sites, in an order of the points.
