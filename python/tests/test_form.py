@@ -72,7 +72,7 @@ def test_a_circle_has_an_area_in_every_plane():
         x, y, _ = z.T
         return np.column_stack([-0.5 * y, 0.5 * x, 0.0 * x])
 
-    report = symplint.check(rotation, [0.5, 0.2, 0.1], radius=[0.3, 0.3, 0.2], form=area, jacobian=False)
+    report = symplint.check(rotation, [0.5, 0.2, 0.1], radius=[0.3, 0.3, 0.2], form=area, casimir=lambda z: z[:, 2], jacobian=False)
     assert report.kind == "symplectic" and report.digits > 12, report
 
 

@@ -29,8 +29,9 @@ fn a_tolerance_that_is_the_likely_cause_is_named_with_the_size_of_the_jumps() {
             .collect();
         let (flickering, breaks) = (numbers[0], numbers[1]);
         assert!(8.0 * flickering >= breaks && breaks == truth.breaks.len() as f64);
-        let largest = cause.remedy.trim_end_matches('.').rsplit(' ').next();
-        let largest: f64 = largest.unwrap().parse().unwrap();
+        let (_, remedy) = cause.remedy.split_once("errors of about ").unwrap();
+        let (largest, _) = remedy.split_once(',').unwrap();
+        let largest: f64 = largest.parse().unwrap();
         let expected = truth.jumps.iter().copied().fold(0.0, f64::max);
         assert!((largest / expected - 1.0).abs() < 0.1, "{largest:e}");
         let said = found.verdict.advice().join(" ");
