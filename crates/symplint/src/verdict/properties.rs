@@ -367,7 +367,10 @@ impl Display for Property {
         let way = match self.name {
             PropertyName::Symplectic => return Ok(()),
             PropertyName::Conformal => {
-                return write!(f, " (the factors of areas differ by {value})");
+                return write!(
+                    f,
+                    " (a step multiplies areas by factors that differ by {value})"
+                );
             }
             PropertyName::Volume => {
                 return match self.holds {

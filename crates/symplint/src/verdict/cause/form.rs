@@ -172,7 +172,7 @@ impl Clues<'_> {
             false => ("masses or signs", "form Σ c dq∧dp with constant weights c"),
         };
         let text = format!(
-            "No {what} make the step symplectic: at {} states, it preserves no {family}. The nearest one changes by {} of its \
+            "Other variables do not help: no {what} make the step symplectic. At {} states, the nearest {family} changes by {} of its \
              largest entry.",
             form.states,
             two_digits(change)

@@ -196,7 +196,7 @@ fn slope(fit: &Fit, between_breaks: bool) -> String {
         format!(" and a constant part of {constant:+.1e}")
     });
     format!(
-        "The change of {what} is proportional to h^({:.2} ± {:.2}){constant} between h = {} and h = {}.",
+        "The change of {what} is proportional to h^({:.2} ± {:.2}){constant} for h from {} to {}.",
         fit.slope,
         fit.uncertainty,
         size(fit.from),
