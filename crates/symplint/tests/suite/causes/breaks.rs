@@ -131,6 +131,23 @@ fn numbers_of_substeps_that_differ_are_named() {
 }
 
 #[test]
+fn a_break_that_is_next_to_another_one_hides_no_cause() {
+    // |q| = 0 at one state of the loop alone, up to rounding.
+    let map = PerSample::new(1, |h, q, p| {
+        let count = (1.0 + 4.0 * q[0].abs()).ceil();
+        let h = h / count;
+        for _ in 0..count as usize {
+            q[0] += 0.5 * h * p[0];
+            p[0] -= h * q[0].sin();
+            q[0] += 0.5 * h * p[0];
+        }
+    });
+    let found = verdict(&map, &[1.0], &[0.5], 1.0);
+    assert_eq!(found.kind, VerdictKind::BrokenLoops);
+    cause(&found, CauseKind::ChoiceInside, &["number of substeps"]);
+}
+
+#[test]
 fn forces_that_jump_are_named_with_the_place() {
     let stairs = |q: f64| 0.25 * (q / 0.25).floor();
     let kick_first = PerSample::new(1, move |h, q, p| {

@@ -56,7 +56,16 @@ impl Runner<'_> {
         let random = (self.diagnostic).random_loop_of(found, &given.size, subject)?;
         let subject = subject.on(random.as_ref());
         let (loop_index, step_size) = (found.index, step.step_size);
-        let Some((mut sides, low_and_high)) = look(subject, h, &jump, &given.size)? else {
+        // Next to a break there may be another one: then the largest of those further away.
+        let size = |of: &Break| of.jump_q.abs().max(of.jump_p.abs());
+        let further = (breaks.iter())
+            .filter(|of| (of.s - jump.s).abs() > DISTANCES[DISTANCES.len() - 1])
+            .max_by(|a, b| size(a).total_cmp(&size(b)));
+        let mut looks = std::iter::once(&jump).chain(further);
+        let Some((mut sides, low_and_high)) = looks
+            .find_map(|of| look(subject, h, of, &given.size).transpose())
+            .transpose()?
+        else {
             return Ok(());
         };
         (sides.loop_index, sides.step_size) = (loop_index, step_size);
