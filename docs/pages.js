@@ -2,7 +2,7 @@
 "use strict";
 
 (() => {
-  const WIDE = ".content .table-wrapper, .content pre > code, .content p:has(> img), .content picture";
+  const WIDE = ".content .table-wrapper, .content pre > code, .content p:has(> img), .content picture, #demo-text, #demo-configuration";
   const NUMBER = /[-+−]?\d[\d.]*e[-−]\d+/g;
 
   for (const cell of document.querySelectorAll(".content td")) {

@@ -121,6 +121,8 @@
     const named = ({ name, svg }) => svg.replace("<svg ", `<svg role="img" aria-label="${CAPTIONS[name] ?? "A figure"}" `);
     page("figures").innerHTML = answer.figures.map((figure) => `<figure>${named(figure)}</figure>`).join("");
     animate(answer.frames);
+    // Parts that continue to the right are marked.
+    dispatchEvent(new Event("resize"));
   }
 
   async function start() {

@@ -53,7 +53,7 @@ def plot_defects(report: Report, ax: Axes | None, style: dict[str, Any]) -> Axes
         ax.set_ylim(bottom=FLOOR / 2)
     ax.set_xscale("log", base=2)
     ax.set_xlabel("step size h")
-    ax.set_ylabel("relative loop defect")
+    ax.set_ylabel("relative change of ∮p·dq")
     ax.set_title(report.headline)
     if ax.has_data():
         ax.legend()

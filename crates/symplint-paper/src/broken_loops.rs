@@ -23,7 +23,7 @@ use super::sweep::{halvings, step_of};
 pub const ITEM: Item = Item {
     id: "broken-loops",
     title: "linear particle-in-cell with its breaks closed: the difference between Strang and RK2",
-    cost: "6 s",
+    cost: "4 s",
     keys: &[Key::whole_between(
         "particles",
         2,

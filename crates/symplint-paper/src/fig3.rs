@@ -15,7 +15,7 @@ use super::sweep::{Record, doublings, power_law, trend_text};
 pub const ITEM: Item = Item {
     id: "fig3",
     title: "interpolated pendulum: defect against the number of samples",
-    cost: "3 s",
+    cost: "2 s",
     keys: &[
         Key::positive("step_size", 0.1, "h"),
         Key::whole("from", 1 << 4, 3, "fewest samples"),

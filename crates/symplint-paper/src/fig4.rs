@@ -19,7 +19,7 @@ use super::sweep::{
 pub const ITEM: Item = Item {
     id: "fig4",
     title: "interpolated pendulum: defect against the step size",
-    cost: "6 s",
+    cost: "5 s",
     keys: &[
         Key::whole(
             "samples_smooth",

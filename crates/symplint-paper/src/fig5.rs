@@ -24,7 +24,7 @@ use super::uncertainty::uncertainty;
 pub const ITEM: Item = Item {
     id: "fig5",
     title: "pendulum array: defect against time and against the step size",
-    cost: "26 s",
+    cost: "20 s",
     keys: &[
         Key::whole("pendula", 4096, 1, "degrees of freedom"),
         Key::whole("samples", 4096, 3, "samples of the loop"),

@@ -23,7 +23,7 @@ use super::sweep::step_of;
 pub const ITEM: Item = Item {
     id: "fig8",
     title: "two-stream instability: energy against time",
-    cost: "15 s",
+    cost: "12 s",
     keys: &[
         Key::whole_between(
             "particles",

@@ -21,7 +21,7 @@ use super::sweep::{Line, halvings, line_text, power_law_line};
 pub const ITEM: Item = Item {
     id: "near-symplectic",
     title: "conjugate symplectic and energy-conserving methods, one step and many (section 3.3)",
-    cost: "3 s",
+    cost: "2 s",
     keys: &[
         Key::whole("samples", 512, 32, "samples of the loop"),
         Key::positive("radius", 0.05, "radius of the loop"),

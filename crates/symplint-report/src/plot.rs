@@ -28,7 +28,7 @@ pub fn step_axis() -> Axis {
 
 /// The axis of relative defects.
 pub fn error_axis() -> Axis {
-    axis("relative loop defect |E|", Scale::Log10)
+    axis("relative change of ∮p·dq", Scale::Log10)
 }
 
 /// A series.
@@ -80,8 +80,12 @@ pub fn reference_slope(points: &[(f64, f64)], order: f64, variable: &str) -> Ser
         .map(|point| 0.5 * point.1 / point.0.powf(order))
         .fold(f64::INFINITY, f64::min);
     let line = |x: f64| (x, factor * x.powf(order));
+    let power = match order {
+        1.0 => variable.to_owned(),
+        _ => format!("{variable}{}", superscript(order)),
+    };
     series(
-        &format!("{variable}{}", superscript(order)),
+        &power,
         points.iter().map(|p| line(p.0)).collect(),
         Style::Dashed,
         BLACK,

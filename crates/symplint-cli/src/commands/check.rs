@@ -149,11 +149,10 @@ fn write_report(
     output: &RunOutput,
 ) -> Result<(), Failure> {
     output.folder.write_json("report.json", report)?;
-    let title = config.title();
-    let figures = figures(&title, diagnosis);
+    let figures = figures(&config.title(), diagnosis);
     let again = go_on("check", &output.folder.path().join("config.toml"));
     let repeat = Repeat::Command(&again);
-    output.write_page(&title, diagnosis, report, &figures, repeat)?;
+    output.write_page(&config.heading(), diagnosis, report, &figures, repeat)?;
     output.write_figures(figures, &[])?;
     if diagnosis.picture.is_none() {
         // On standard error: standard output may be JSON.

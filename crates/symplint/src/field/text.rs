@@ -309,7 +309,10 @@ impl fmt::Display for FieldReport {
                 FieldVerdict::NotAGradient => "NOT A GRADIENT".to_owned(),
                 FieldVerdict::NotHamiltonian => "NOT HAMILTONIAN".to_owned(),
                 FieldVerdict::Undecided => "INCONCLUSIVE".to_owned(),
-                _ => self.headline().to_uppercase(),
+                _ => match self.headline().split_once(' ') {
+                    Some((answer, rest)) => format!("{} {rest}", answer.to_uppercase()),
+                    None => self.headline().to_uppercase(),
+                },
             }
         )?;
         writeln!(f, "{}", self.summary())?;

@@ -129,7 +129,7 @@ impl Verdict {
                     )
                 };
                 text += match self.findings.iter().any(straight) {
-                    true => ": ∮p·dq is conserved once breaks are closed by straight chords",
+                    true => ": ∮p·dq is conserved with breaks closed by chords",
                     false => ": ∮p·dq is conserved once breaks are closed",
                 };
             }

@@ -389,7 +389,7 @@ impl Display for Property {
                     " (a step changes the energy by up to {value} of its range on the loop"
                 )?;
                 if let Some(order) = self.order {
-                    write!(f, ", in proportion to h^{order}")?;
+                    write!(f, ", in proportion to {}", text::power_of_h(order))?;
                 }
                 match &self.in_time {
                     Some((found, growth)) => write!(f, "; {}", in_time(found, *growth))?,

@@ -135,8 +135,7 @@ impl Display for Agreement {
                  not symplectic."
             }
             Agreement::LoopsUndecided => {
-                "The loops are not enough for a verdict, and derivatives do not detect jumps. Follow the advice \
-                 below."
+                "The loops are not enough for a verdict, and derivatives do not detect jumps. Follow the advice."
             }
             Agreement::JacobianUndecided => "The verdict rests on the loops only.",
         })
