@@ -145,7 +145,7 @@ impl Clues<'_> {
     /// Why loops break.
     pub fn of_breaks(&self) -> Option<Cause> {
         let mut cause = Self::OF_BREAKS.iter().find_map(|cause| cause(self))?;
-        // A wall or a force is no reason for a defect of the Jacobian.
+        // A wall or a force does not explain a defect of the Jacobian.
         let jacobian = self.evidence.jacobian.as_ref();
         if matches!(cause.kind, CauseKind::Wall | CauseKind::ForceJump)
             && jacobian.is_some_and(JacobianEvidence::shows_defect)
