@@ -84,10 +84,6 @@ pub enum Advice {
     CheckCopies,
     /// Check that the step returns what it advanced.
     ReturnStates,
-    /// Check that a map without a step size, which moves nothing, returns what it advanced.
-    MovesNothing,
-    /// Correct a period.
-    CorrectPeriod,
     /// Two samples or more in each cell.
     SamplesInCells,
     /// More samples and larger steps.
@@ -102,8 +98,6 @@ pub enum Advice {
     LoopOnManifold,
     /// Give a projection onto the constraint manifold.
     Project,
-    /// Find out why a step leaves the manifold of the loops.
-    KeepToManifold,
     /// Give Casimir functions, or a projection onto a leaf of the symplectic form.
     KeepToLeaf,
     /// Take a smaller loop that stays in the domain of the map.
@@ -134,6 +128,12 @@ pub enum Advice {
         /// By this many evaluations, about.
         wanted: usize,
     },
+    /// Find out why a step leaves the manifold of the loops.
+    KeepToManifold,
+    /// Check that a map without a step size, which moves nothing, returns what it advanced.
+    MovesNothing,
+    /// Correct a period.
+    CorrectPeriod,
 }
 
 /// Steps that have to be longer by more than this, or that deform a loop by more times its size, suit another loop. Conventional.
