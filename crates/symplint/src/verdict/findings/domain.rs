@@ -75,15 +75,15 @@ pub enum DomainFinding {
         /// The bound on the defect of your loop.
         given: Option<f64>,
     },
-    /// A step moves states off the manifold, or the leaf, to which a projection keeps the loops.
-    LeavesManifold {
-        /// The largest distance, in units of the loop's radii.
-        distance: f64,
-    },
     /// The Jacobian of the step is singular at the loop, and the symplectic form is degenerate on its image.
     LosesRank {
         /// The rank of the Jacobian, of all coordinates.
         rank: Rank,
+    },
+    /// A step moves states off the manifold, or the leaf, to which a projection keeps the loops.
+    LeavesManifold {
+        /// The largest distance, in units of the loop's radii.
+        distance: f64,
     },
 }
 
