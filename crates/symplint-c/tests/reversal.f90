@@ -30,7 +30,7 @@ program reversal
     use steps
     implicit none
     call check(c_null_funptr, '"text": "not time-reversible')
-    call check(c_funloc(reversed), '"text": "time-reversible (a step, the given reversal')
+    call check(c_funloc(reversed), '"text": "time-reversible (step, the given reversal, step')
 contains
     subroutine check(reversal_function, expected)
         type(c_funptr), intent(in) :: reversal_function
