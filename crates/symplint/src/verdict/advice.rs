@@ -228,8 +228,8 @@ impl Advice {
                  friction, or for a constraint that the step does not solve to rounding error."
             }
             Advice::KeepToLeaf => {
-                "If dϑ should have full rank, look for a pair that ϑ lacks. Otherwise, state all Casimir functions of the form (`casimir`, `OneForm::project`), or a projection onto a leaf \
-                 (`project`): they keep all loops and the Jacobian on one leaf."
+                "If dϑ should have full rank, look for a pair that ϑ lacks. Otherwise, state all Casimir functions of the form (`casimir`, \
+                 `OneForm::project`), or a projection onto a leaf (`project`): they keep all loops and the Jacobian on one leaf."
             }
             Advice::SmallerLoopInDomain => {
                 "Take a smaller loop, well inside the domain of the map, or set loops to 1."

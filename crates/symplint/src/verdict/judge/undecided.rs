@@ -144,18 +144,13 @@ impl Case<'_> {
     /// the integrals of loops that leave it, nor the form on tangent vectors that do.
     pub(super) fn beside_leaf(&self) -> Option<Decision> {
         let rank = self.evidence.survey.degenerate_form?;
-        let only_given = self.evidence.loops.len() == 1 && self.evidence.jacobian.is_none();
-        if only_given
-            && self
-                .loops
-                .first()
-                .is_some_and(|given| !given.shows_defect() && !given.is_broken())
-        {
-            // The user gave a loop that keeps to a leaf.
+        let conserved = |found: &&LoopEvidence| !found.shows_defect() && !found.is_broken();
+        let given = self.loops.first().filter(conserved);
+        if given.is_some() && self.evidence.loops.len() == 1 && self.evidence.jacobian.is_none() {
+            // The user gave a loop that keeps to a leaf, and no other one.
             return None;
         }
-        let conserved = |found: &&LoopEvidence| !found.shows_defect() && !found.is_broken();
-        let given = self.loops.first().filter(conserved).and_then(bound);
+        let given = given.and_then(bound);
         let because = Finding::Domain(DomainFinding::DegenerateForm { rank, given });
         Some(self.because(because, vec![Advice::KeepToLeaf]))
     }

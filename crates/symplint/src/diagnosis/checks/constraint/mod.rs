@@ -10,7 +10,7 @@ use crate::evidence::{Check, LoopEvidence, WEAKEST_BOUND, Why};
 use crate::jacobian::JacobianEvidence;
 use crate::rules::Subject;
 use crate::signal::{nearest, parameter};
-use crate::state::{Block, Ensemble, coordinate, coordinate_mut, period};
+use crate::state::{coordinate, period};
 use singular::{degenerate_form, singular_jacobian};
 
 /// States of the loop that show whether a step keeps to the manifold. Conventional.
@@ -67,23 +67,10 @@ impl Runner<'_> {
             return Ok(());
         }
         let s: Vec<f64> = (0..STATES).map(parameter).collect();
-        let mut states = Ensemble::zeros(subject.dof(), STATES);
-        subject.phase_loop.sample(&s, &mut states.block());
-        let before = states.clone();
-        let fill = |first: usize, block: &mut Block<'_>| {
-            for c in 0..2 * subject.dof() {
-                for (k, value) in coordinate_mut(block, c).iter_mut().enumerate() {
-                    *value = coordinate(&before, c)[first + k];
-                }
-            }
-            Ok(())
-        };
-        let advanced = subject
-            .evaluator
-            .advance_from(&mut states, self.largest, fill);
-        match advanced {
+        let evaluator = subject.evaluator;
+        let states = match evaluator.image(subject.phase_loop, self.largest, &s) {
             Err(error) if error.is_of_map() => return Ok(()),
-            other => other?,
+            states => states?,
         };
         let mut projected = states.clone();
         constraint.project(&mut projected.block());
