@@ -290,6 +290,12 @@ def numpyro(integrator):
     return symplint.check(step, [1.0, 0.5], [0.5, 0.2], step_sizes=[0.5, 0.25, 0.125])
 
 
+def xtrack(momentum):
+    import xtrack_fodo
+
+    return xtrack_fodo.report(xtrack_fodo.make if momentum == "pzeta" else xtrack_fodo.with_delta)
+
+
 SPLITTING = "symplectic: splitting method"
 ADAPTIVE = "not symplectic: chooses its steps"
 CONVERGED = "symplectic to many digits: chooses its steps, with a small tolerance"
@@ -322,6 +328,9 @@ PACKAGES = {
     "blackjax": [(blackjax, dict.fromkeys(("velocity_verlet", "mclachlan", "yoshida"), SPLITTING))],
     "mici": [(mici, dict.fromkeys(("LeapfrogIntegrator", "BCSSThreeStageIntegrator"), SPLITTING))],
     "numpyro": [(numpyro, {"velocity_verlet": SPLITTING})],
+    "xtrack": [
+        (xtrack, {"pzeta": "symplectic: exact maps of linear elements", "delta": "not symplectic: δ is not the momentum of ζ"})
+    ],
 }  # fmt: skip
 PACKAGES |= register_solvers.ENTRIES | register_physics.ENTRIES
 

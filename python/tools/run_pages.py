@@ -10,7 +10,7 @@ Each page runs from its beginning in an empty folder, which has a link `examples
 * A block of `python` runs in the interpreter of this script; all Python blocks of a page share their variables.
 * A block of `text` after such a block is its output. A block without output has no block of `text` after it.
 * `<!-- table: COMMAND -->` and `<!-- /table -->` enclose Markdown that a command writes. A command that draws pictures writes them to the
-  folder `$PICTURES`.
+  folder `$PICTURES`. `<!-- table needs=A: COMMAND -->` has the setting `needs` of blocks.
 
 Words after the language of a block are settings. GitHub and mdBook do not show them:
 
@@ -51,7 +51,7 @@ from pathlib import Path
 REPOSITORY = Path(__file__).resolve().parents[2]
 BLOCK = re.compile(
     r"^(?P<fence>```+)(?P<info>[^\n`]*)\n(?P<body>.*?)^(?P=fence)[ \t]*$"
-    r"|^<!-- table: (?P<command>.*?) -->\n(?P<table>.*?)^<!-- /table -->$",
+    r"|^<!-- table(?: needs=(?P<needs>\S+))?: (?P<command>.*?) -->\n(?P<table>.*?)^<!-- /table -->$",
     re.DOTALL | re.MULTILINE,
 )
 
@@ -162,8 +162,13 @@ class Page:
         whole = match[0]
         try:
             if match["command"] is not None:
-                table = self.shell(match["command"], 0)
-                return f"<!-- table: {match['command']} -->\n{table.rstrip()}\n<!-- /table -->"
+                if self.skips(match["needs"], match["command"]):
+                    return whole
+                table = self.shell(match["command"], 0).rstrip()
+                if comparable(table) == comparable(match["table"]):
+                    return whole
+                first, _ = whole.split("\n", 1)
+                return f"{first}\n{table}\n<!-- /table -->"
             language, settings = settings_of(match["info"])
             fence = match["fence"]
             body = self.block(language, settings, match["body"])
@@ -181,9 +186,7 @@ class Page:
         if language == "text":
             return self.text(settings)
         self.output = None
-        if needs := [need for need in settings.get("needs", "").split(",") if need and is_missing(need)]:
-            first = (body.splitlines() or [settings.get("source", "")])[0]
-            self.skipped.append(f"{self.name}: {first} ({', '.join(needs)} missing)")
+        if self.skips(settings.get("needs"), (body.splitlines() or [settings.get("source", "")])[0]):
             return None
         if source := settings.get("source"):
             body = (REPOSITORY / source).read_text(encoding="utf-8")
@@ -204,6 +207,13 @@ class Page:
             for pair in picture.split(","):
                 self.picture(*pair.split(":"), compare=language == "sh")
         return None
+
+    def skips(self, needs: str | None, first: str) -> bool:
+        """Whether something is missing that a block needs, whose first line is given."""
+        missing = [need for need in (needs or "").split(",") if need and is_missing(need)]
+        if missing:
+            self.skipped.append(f"{self.name}: {first} ({', '.join(missing)} missing)")
+        return bool(missing)
 
     def text(self, settings: dict[str, str]) -> str | None:
         """The output of the block before, as far as the page shows it."""

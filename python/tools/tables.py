@@ -1,13 +1,18 @@
-"""Writes tables of the book from runs of the program `symplint` on the path: `python tables.py gallery|budget`."""
+"""Writes tables of the book: `python tables.py gallery|budget|register`.
+
+The first two are from runs of the program `symplint` on the path. The register is from the packages of this Python.
+"""
 
 from __future__ import annotations
 
 import concurrent.futures
+import importlib.metadata
 import json
 import os
 import re
 import subprocess
 import sys
+import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -115,5 +120,43 @@ def long(report: dict | None) -> str:
     return f"{text} ({report['evaluations']['made']:,})"
 
 
+def register() -> Iterator[str]:
+    """The register of packages, with new rows for the packages that are installed in the version of the page."""
+    examples = REPOSITORY / "examples/python"
+    sys.path.insert(0, str(examples))
+    import register as entries
+
+    names = {(package, argument): name for name, (_, argument, package, _) in entries.ENTRIES.items()}
+
+    def again(line: str) -> str:
+        package, version, method = [cell.strip() for cell in line.split("|")[1:4]]
+        name = names.get((package, method.strip("`")))
+        if name is None or is_other_version(package, version):
+            print(f"not installed, or another version: {package} {version} {method}", file=sys.stderr)
+            return line
+        # Some packages write files.
+        with tempfile.TemporaryDirectory() as folder:
+            command = [sys.executable, str(examples / "register.py"), "--row", name]
+            done = subprocess.run(command, cwd=folder, capture_output=True, text=True)
+        if done.returncode:
+            print(done.stderr, file=sys.stderr)
+        rows = [row for row in done.stdout.splitlines() if row.startswith(f"| {package} |")]
+        return rows[0] if rows else f"| {package} | {version} | {method} | fails |"
+
+    page = (REPOSITORY / "docs/register.md").read_text(encoding="utf-8")
+    lines = page[page.index("| package | version |") : page.index("<!-- /table -->")].splitlines()
+    yield from lines[:2]
+    with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+        yield from pool.map(again, lines[2:])
+
+
+def is_other_version(package: str, version: str) -> bool:
+    """Whether another version of the package is installed, or none."""
+    try:
+        return importlib.metadata.version(package) != version
+    except importlib.metadata.PackageNotFoundError:
+        return True
+
+
 if __name__ == "__main__":
-    print("\n".join({"gallery": gallery, "budget": budget}[sys.argv[1]]()))
+    print("\n".join({"gallery": gallery, "budget": budget, "register": register}[sys.argv[1]]()))

@@ -1,6 +1,6 @@
 //! Random forces and vector fields whose answer is known by construction.
 //!
-//! 100 members of each kind, with budgets of 200, 1,000 and 20,000 evaluations. docs/truth.md has the table.
+//! 400 members of each kind, with budgets of 200, 1,000 and 20,000 evaluations. docs/truth.md has the table.
 
 use std::sync::Mutex;
 
@@ -10,59 +10,40 @@ use rayon::prelude::*;
 use symplint::field::{FieldReport, FieldTest};
 use symplint::{Coordinates, PerSample, TimeAdvance};
 
-const MEMBERS: u64 = 100;
+use crate::book;
+
+const MEMBERS: u64 = 400;
+
+/// The members of which each kind has a test at every build.
+const SAMPLE: u64 = 100;
 
 /// How a force is made, and what is true of it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
-    /// −∇V of waves and springs in 1 to 12 positions.
     Gradient,
-    /// The same far from the origin, with a large constant force, in other units.
     GradientInUnits,
-    /// Plus a rotation, λ from 1e-12 to 1.
     Curl,
-    /// All arithmetic in single precision.
     Single,
-    /// Positions and forces rounded to single precision.
     SingleOutside,
-    /// With noise that is the same for the same positions, 1e-12 to 0.1.
     Noise,
-    /// With random numbers, 1e-12 to 0.1.
     RandomNoise,
-    /// Pairs of particles within a cut-off at which the force jumps.
     CutOff,
-    /// The same with a force that ends at zero, with a kink.
     ShiftedCutOff,
-    /// Pairs of which one particle misses the reaction.
     NoReaction,
-    /// A radial table without interpolation.
     Table,
-    /// The gradient of a network of tanh in single precision.
     Network,
-    /// The gradient of a network of ReLU: constant between its kinks.
     Relu,
-    /// A network that predicts forces.
     DirectForces,
-    /// Forces that jump along a wall, not across it.
     TangentialJump,
-    /// Charges that are solved for until a tolerance from 1e-12 to 1e-3 is reached.
     Solver,
-    /// On a ring, without a constant part and with one.
     Ring,
     TiltedRing,
-    /// A random Hamiltonian of q and p.
     Hamiltonian,
-    /// With weights, in velocities.
     Weighted,
-    /// The same without the weights.
     MassesForgotten,
-    /// All momenta damped, at a rate from 1e-10 to 1.
     Friction,
-    /// One momentum damped.
     OneDamped,
-    /// One of two coupling forces has the wrong sign.
     WrongSign,
-    /// Positions and velocities in a magnetic field.
     Magnetic,
 }
 
@@ -95,6 +76,41 @@ const KINDS: [Kind; 25] = [
 ];
 
 impl Kind {
+    /// As docs/truth.md describes it.
+    fn text(self) -> &'static str {
+        match self {
+            Kind::Gradient => "−∇V of waves and springs in 1 to 12 positions",
+            Kind::GradientInUnits => {
+                "the same in units from 1e-9 to 1e9, up to 10,000 sizes from the origin, with a constant force up to 10,000 times as large"
+            }
+            Kind::Curl => "plus a rotation, λ from 1e-12 to 1",
+            Kind::Single => "all arithmetic in single precision",
+            Kind::SingleOutside => {
+                "positions and forces rounded to single precision, up to 1,000 sizes from the origin"
+            }
+            Kind::Noise => "noise that is the same for the same positions, 1e-12 to 0.1",
+            Kind::RandomNoise => "random numbers, 1e-12 to 0.1",
+            Kind::CutOff => "Lennard-Jones pairs in a plane, the force jumps at a cut-off",
+            Kind::ShiftedCutOff => "the same with a force that ends at zero",
+            Kind::NoReaction => "one particle of one pair misses the reaction",
+            Kind::Table => "a radial table without interpolation",
+            Kind::Network => "the gradient of a tanh network, rounded to single precision",
+            Kind::Relu => "the gradient of a ReLU network: constant between jumps",
+            Kind::DirectForces => "a network that predicts forces",
+            Kind::TangentialJump => "the force jumps along a wall",
+            Kind::Solver => "an equation for charges, solved to a tolerance from 1e-12 to 1e-3",
+            Kind::Ring => "one position with a period",
+            Kind::TiltedRing => "the same with a constant force from 1e-9 to 1",
+            Kind::Hamiltonian => "a random H(q, p)",
+            Kind::Weighted => "velocities, with masses as weights",
+            Kind::MassesForgotten => "the same without weights",
+            Kind::Friction => "all momenta damped, rates from 1e-10 to 1",
+            Kind::OneDamped => "one momentum damped",
+            Kind::WrongSign => "one of two coupling forces has the wrong sign",
+            Kind::Magnetic => "positions and velocities in a magnetic field",
+        }
+    }
+
     /// Whether it is a gradient or Hamiltonian, apart from its precision.
     fn holds(self) -> bool {
         !matches!(
@@ -607,82 +623,118 @@ fn report(kind: Kind, index: u64, budget: usize) -> (Member, FieldReport) {
 /// Digits that a verdict may claim beyond the limit: loops show a tenth of it, seldom less.
 const MARGIN: f64 = 1.0;
 
+/// What came of the members of one kind.
+#[derive(Default)]
+struct Results {
+    /// A gradient, no gradient, undecided.
+    answers: [usize; 3],
+    /// In words.
+    wrong: Vec<String>,
+    digits: Vec<f64>,
+    evaluations: Vec<usize>,
+    /// The integrals of all loops over their errors, if they are zero.
+    ratios: Vec<f64>,
+}
+
+/// The results for a kind.
+fn results(kind: Kind, members: u64, budget: usize) -> Results {
+    let reports: Vec<(Member, FieldReport)> = (0..members)
+        .into_par_iter()
+        .map(|index| report(kind, index, budget))
+        .collect();
+    let mut results = Results::default();
+    for (index, (member, report)) in reports.iter().enumerate() {
+        let holds = report.holds();
+        results.answers[match holds {
+            Some(true) => 0,
+            Some(false) => 1,
+            None => 2,
+        }] += 1;
+        results.digits.extend(report.digits);
+        // As it was computed, the force of a solver is not a gradient.
+        if kind.holds() && kind != Kind::Solver {
+            let errors = report.evidence.loops.iter();
+            let errors = errors.filter(|work| work.error() > 0.0);
+            let ratios = errors.map(|work| work.integral.abs() / work.error());
+            results.ratios.extend(ratios);
+        }
+        results.evaluations.push(report.evidence.evaluations);
+        let claims_too_much = holds == Some(true)
+            && report.evidence.radius.1 > 2.0 * member.distance
+            && report.digits.unwrap_or(0.0) > MARGIN - member.limit.log10();
+        if (holds == Some(false) && kind.holds()) || claims_too_much {
+            results.wrong.push(format!(
+                "{kind:?} {index}, budget {budget}, limit {:.1e}: {report}",
+                member.limit
+            ));
+        }
+    }
+    results.digits.sort_by(f64::total_cmp);
+    results.evaluations.sort_unstable();
+    results
+}
+
+/// The results for members of each kind as a table, and the wrong ones.
+///
+/// # Panics
+///
+/// If too many members of a kind are undecided, or if errors are not honest.
+fn compare(members: u64) -> (String, Vec<String>) {
+    let (mut wrong, mut ratios) = (Vec::new(), Vec::new());
+    let mut table =
+        "| kind | force or field | holds | yes | no | undecided | wrong | digits | evaluations | \
+                     undecided with 1,000 | undecided with 200 |\n\
+                     | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n"
+            .to_owned();
+    for kind in KINDS {
+        let [small, medium, large] =
+            [200, 1_000, 20_000].map(|budget| results(kind, members, budget));
+        let [yes, no, undecided] = large.answers;
+        assert!(
+            undecided as f64 <= kind.most_undecided() * members as f64,
+            "{kind:?}: {undecided} undecided"
+        );
+        table += &format!(
+            "| {kind:?} | {} | {} | {yes} | {no} | {undecided} | {} | {} | {} | {} | {} |\n",
+            kind.text(),
+            if kind.holds() { "yes" } else { "no" },
+            small.wrong.len() + medium.wrong.len() + large.wrong.len(),
+            (large.digits.get(large.digits.len() / 2)).map_or("–".into(), f64::to_string),
+            large.evaluations[large.evaluations.len() / 2],
+            medium.answers[2],
+            small.answers[2],
+        );
+        for results in [small, medium, large] {
+            wrong.extend(results.wrong);
+            ratios.extend(results.ratios);
+        }
+    }
+    ratios.sort_by(f64::total_cmp);
+    let quantile = |part: f64| ratios[((ratios.len() - 1) as f64 * part) as usize];
+    table += &format!(
+        "\nFor the kinds that hold, except solvers, the true loop integral is zero. The measured size over the stated error of {} loops \
+         has a median of {}. 99.9% are below {}, and the largest is {}.\n",
+        book::grouped(ratios.len()),
+        book::short(quantile(0.5)),
+        book::short(quantile(0.999)),
+        book::short(quantile(1.0))
+    );
+    assert!(quantile(0.999) <= 1.0 && quantile(0.5) > 1e-3);
+    (table, wrong)
+}
+
 #[test]
 fn no_verdict_is_wrong() {
-    for budget in [200, 1_000, 20_000] {
-        let members: Vec<(Kind, u64)> = (KINDS.into_iter())
-            .flat_map(|kind| (0..MEMBERS).map(move |index| (kind, index)))
-            .collect();
-        let reports: Vec<(Kind, u64, Member, FieldReport)> = (members.into_par_iter())
-            .map(|(kind, index)| {
-                let (member, report) = report(kind, index, budget);
-                (kind, index, member, report)
-            })
-            .collect();
-        let mut wrong = Vec::new();
-        // The integrals of all loops, which are zero, over their errors.
-        let mut ratios = Vec::new();
-        println!(
-            "| kind, budget {budget} | holds | fails | undecided | digits | evaluations |\n| --- | --- | --- | --- | --- | --- |"
-        );
-        for kind in KINDS {
-            let mut counts = [0; 3];
-            let mut digits = Vec::new();
-            let mut evaluations = Vec::new();
-            for (_, index, member, report) in reports.iter().filter(|(of, ..)| *of == kind) {
-                let holds = report.holds();
-                counts[match holds {
-                    Some(true) => 0,
-                    Some(false) => 1,
-                    None => 2,
-                }] += 1;
-                digits.extend(report.digits);
-                // As it was computed, the force of a solver is not a gradient.
-                if kind.holds() && kind != Kind::Solver {
-                    let errors = report.evidence.loops.iter();
-                    let errors = errors.filter(|work| work.error() > 0.0);
-                    ratios.extend(errors.map(|work| work.integral.abs() / work.error()));
-                }
-                evaluations.push(report.evidence.evaluations);
-                let claims_too_much = holds == Some(true)
-                    && report.evidence.radius.1 > 2.0 * member.distance
-                    && report.digits.unwrap_or(0.0) > MARGIN - member.limit.log10();
-                if (holds == Some(false) && kind.holds()) || claims_too_much {
-                    wrong.push(format!(
-                        "{kind:?} {index}, limit {:.1e}: {report}",
-                        member.limit
-                    ));
-                }
-            }
-            digits.sort_by(f64::total_cmp);
-            evaluations.sort_unstable();
-            let median = digits
-                .get(digits.len() / 2)
-                .map_or("–".into(), |d| format!("{d}"));
-            let [yes, no, undecided] = counts;
-            println!(
-                "| {kind:?} | {yes} | {no} | {undecided} | {median} | {} |",
-                evaluations[evaluations.len() / 2]
-            );
-            if budget == 20_000 && undecided as f64 > kind.most_undecided() * MEMBERS as f64 {
-                wrong.push(format!("{kind:?}: {undecided} undecided"));
-            }
-        }
-        ratios.sort_by(f64::total_cmp);
-        let quantile = |part: f64| ratios[((ratios.len() - 1) as f64 * part) as usize];
-        println!(
-            "{} integrals over their errors: median {:.2e}, 99.9% {:.2e}, largest {:.2e}",
-            ratios.len(),
-            quantile(0.5),
-            quantile(0.999),
-            quantile(1.0)
-        );
-        assert!(quantile(0.999) <= 1.0 && quantile(0.5) > 1e-3);
-        assert!(
-            wrong.is_empty(),
-            "{} wrong\n{}",
-            wrong.len(),
-            wrong.join("\n")
-        );
-    }
+    let (_, wrong) = compare(SAMPLE);
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+#[ignore = "half a minute: writes a table of docs/truth.md"]
+fn few_verdicts_of_all_members_are_wrong() {
+    let (table, wrong) = compare(MEMBERS);
+    book::publish("forces", &table);
+    // A solver that takes the same number of iterations on all loops.
+    let known = wrong.iter().all(|text| text.starts_with("Solver"));
+    assert!(known && wrong.len() <= 2, "{}", wrong.join("\n"));
 }

@@ -1,5 +1,6 @@
 //! The tests of this crate in one program, which is linked once.
 
+mod book;
 #[path = "../../../symplint-models/tests/suite/common/mod.rs"]
 mod common;
 mod forces;

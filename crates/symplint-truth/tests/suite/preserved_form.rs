@@ -11,42 +11,28 @@ use symplint::evidence::Check;
 use symplint::verdict::CauseKind;
 use symplint::{Circle, Coordinates, Diagnosis, Diagnostic, PerSample, VerdictKind};
 
+use crate::book;
+
 const MEMBERS: u64 = 20;
 
 /// The fault of the variables of a map, or of the map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Kind {
-    /// Velocities instead of momenta: pair forces over masses of four decades, in two to six degrees of freedom.
     Masses,
-    /// The same of eight decades.
     LightMasses,
-    /// Each q and p in a unit over six decades, so that weights have twelve.
     Units,
-    /// Masses over two decades with random signs, in 13 to 50 degrees of freedom.
     Many,
-    /// Some positions have another sign.
     Signs,
-    /// Momenta in another order, some with masses.
     Permuted,
-    /// A linear change of q alone.
     Linear,
-    /// Velocities in a uniform magnetic field, with Boris's rotation or shears.
     Field,
-    /// Velocities in a field that is a polynomial of degree 1 or 2 in q.
     VaryingField,
-    /// One momentum in another unit, as δ instead of p_ζ.
     ScaledPair,
-    /// Masses, signs, permutations or fields, all in single precision.
     Single,
-    /// Pendula that are not coupled, with masses and permuted momenta.
     Uncoupled,
-    /// One momentum is damped.
     Friction,
-    /// All momenta are damped by one factor.
     UniformFriction,
-    /// A force with a curl.
     Curl,
-    /// Runge–Kutta methods of order 2 and 4.
     RungeKutta,
 }
 
@@ -68,6 +54,30 @@ const KINDS: [Kind; 16] = [
     Kind::Curl,
     Kind::RungeKutta,
 ];
+
+impl Kind {
+    /// As docs/truth.md names it.
+    fn text(self) -> &'static str {
+        match self {
+            Kind::Masses => "velocities, masses over 4 decades, d = 2 to 6",
+            Kind::LightMasses => "the same over 8 decades",
+            Kind::Units => "units of q and p over 6 decades each, d = 2 to 12",
+            Kind::Many => "masses over 2 decades and signs, d = 13 to 50",
+            Kind::Signs => "signs of some positions",
+            Kind::Permuted => "permuted momenta, some with masses",
+            Kind::Linear => "a linear change of q",
+            Kind::Field => "velocities in a uniform field",
+            Kind::VaryingField => "velocities in a field B(q) of degree 1 or 2, d = 2 and 3",
+            Kind::ScaledPair => "one momentum in another unit",
+            Kind::Single => "masses, signs, permutations or uniform fields in single precision",
+            Kind::Uncoupled => "pendula that are not coupled, permuted, with masses",
+            Kind::Friction => "friction on one momentum",
+            Kind::UniformFriction => "uniform friction (named as such)",
+            Kind::Curl => "a force with a curl",
+            Kind::RungeKutta => "Runge–Kutta methods of order 2 and 4",
+        }
+    }
+}
 
 struct Random(ChaCha8Rng);
 
@@ -584,21 +594,29 @@ fn forms_are_named_that_maps_preserve() {
             println!("{answer:?}: {told}");
         }
     }
-    println!("| kind | named | no form | unknown | wrong |\n|---|---|---|---|---|");
+    let mut text =
+        "| variables, or map | named | no form | unknown | wrong |\n|---|---|---|---|---|\n"
+            .to_owned();
     for kind in KINDS {
         let count = |answer| table.get(&(kind, answer)).copied().unwrap_or(0);
-        println!(
-            "| {kind:?} | {} | {} | {} | {} |",
-            count(Answer::Named),
-            count(Answer::NoForm),
-            count(Answer::Unknown),
-            count(Answer::Wrong)
+        let answers = [
+            Answer::Named,
+            Answer::NoForm,
+            Answer::Unknown,
+            Answer::Wrong,
+        ];
+        let [named, none, unknown, wrong] = answers.map(count);
+        text += &format!(
+            "| {} | {named} | {none} | {unknown} | {wrong} |\n",
+            kind.text()
         );
     }
-    println!(
-        "evaluations: at most {:?}",
-        answers.iter().map(|of| of.2).max()
+    let most = answers.iter().map(|of| of.2).max().unwrap();
+    text += &format!(
+        "\nThe search made at most {} evaluations.\n",
+        book::grouped(most)
     );
+    book::publish("preserved_forms", &text);
     let of = |wanted: Answer| answers.iter().filter(|of| of.0 == wanted).count();
     assert_eq!(of(Answer::Wrong), 0);
     assert!(of(Answer::Unknown) <= 15, "{}", of(Answer::Unknown));

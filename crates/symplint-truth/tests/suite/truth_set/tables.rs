@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
+use crate::book::{grouped, short};
 use crate::truth_set::follow::Followed;
 use crate::truth_set::outcome::{Order, Outcome};
 use crate::truth_set::ratios::{Ratios, quantile};
@@ -36,8 +37,8 @@ impl Line {
 /// The confusion matrix by family.
 pub fn confusion(lines: &[Line]) -> String {
     let mut text =
-        "| family | members | right | undecided | advice decides | decides with more digits or a tighter solver | \
-                    advice leaves it open | advice leads to a wrong verdict | wrong |\n"
+        "| family | members | right | undecided | of these, right after advice | right with more digits or a tighter solver | \
+                    still undecided after advice | wrong after advice | wrong |\n"
             .to_string();
     text += "|---|---|---|---|---|---|---|---|---|\n";
     let mut names: Vec<&str> = lines.iter().map(|line| line.family).collect();
@@ -53,8 +54,8 @@ pub fn confusion(lines: &[Line]) -> String {
         writeln!(
             text,
             "| {name} | {} | {} | {} | {} | {} | {} | {} | {} |",
-            of.len(),
-            count(&|line| line.outcome == Outcome::Right),
+            grouped(of.len()),
+            grouped(count(&|line| line.outcome == Outcome::Right)),
             count(&|line| line.outcome == Outcome::Undecided),
             followed(|f| *f == Followed::Decides),
             followed(|f| *f == Followed::InFullPrecision),
@@ -65,6 +66,17 @@ pub fn confusion(lines: &[Line]) -> String {
         .unwrap();
     }
     text
+}
+
+/// How many failures have a cause or advice.
+pub fn advised(lines: &[Line]) -> String {
+    let failures = || lines.iter().filter_map(|line| line.cause.as_deref());
+    let stated = failures().filter(|cause| !cause.is_empty() && !cause.starts_with("none;"));
+    format!(
+        "Of the {} verdicts that report a failure, {} state a cause. The others have advice, which names the likeliest causes first.\n",
+        grouped(failures().count()),
+        grouped(stated.count())
+    )
 }
 
 /// Causes of failures by family, with the advice if no cause is stated.
@@ -102,13 +114,13 @@ pub fn quantiles(lines: &[Line]) -> String {
         let at = |part| quantile(&ratios, part);
         writeln!(
             text,
-            "| {name} | {} | {:.2e} | {:.2e} | {:.2e} | {:.2e} | {:.2e} | {:.2}% |",
-            ratios.len(),
-            at(0.5),
-            at(0.9),
-            at(0.99),
-            at(0.999),
-            at(1.0),
+            "| {name} | {} | {} | {} | {} | {} | {} | {:.2}% |",
+            grouped(ratios.len()),
+            short(at(0.5)),
+            short(at(0.9)),
+            short(at(0.99)),
+            short(at(0.999)),
+            short(at(1.0)),
             100.0 * within as f64 / ratios.len() as f64
         )
         .unwrap();
