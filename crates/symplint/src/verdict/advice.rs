@@ -4,6 +4,7 @@ use std::fmt::{Display, Formatter, Result};
 
 use serde::Serialize;
 
+use super::properties::Property;
 use crate::text::{one_digit, power_of_h, short, size};
 
 /// What to do next. Its sentence is its `Display`.
@@ -134,12 +135,31 @@ pub enum Advice {
     MovesNothing,
     /// Correct a period.
     CorrectPeriod,
+    /// Look for causes other than friction, which the properties of the map exclude.
+    LookBeyondFriction,
+    /// Test several steps at once, as larger steps fail.
+    StepsAtOnce {
+        /// This number of them.
+        repeat: usize,
+    },
+    /// Let the step use the step size, or state that it has none.
+    UseStepSize,
 }
 
 /// Steps that have to be longer by more than this, or that deform a loop by more times its size, suit another loop. Conventional.
 const UNUSUAL: f64 = 300.0;
 
 impl Advice {
+    /// The likeliest causes of a defect of this order, if none is known.
+    pub(super) fn on_order(order: Option<f64>, properties: &[Property]) -> Self {
+        // Those of a method depend on the order alone.
+        let is_of_method = order.is_some_and(|order| order.round() >= 2.0);
+        match !is_of_method && properties.iter().any(Property::excludes_friction) {
+            true => Advice::LookBeyondFriction,
+            false => Advice::LookForCause { order },
+        }
+    }
+
     /// Whether it helps to learn the order of a defect, and names no cause.
     pub(super) fn is_of_order(&self) -> bool {
         matches!(
@@ -171,8 +191,7 @@ impl Advice {
                 "If a coordinate is periodic (an angle, a position in a periodic box, a momentum on a torus), keep it unwrapped or state its period."
             }
             Advice::OrderOfSamples => {
-                "Give all samples, in their order along a closed loop, the same before and after the step; state \
-                 the period of wrapped positions."
+                "Give all samples in their order along a closed loop, in the same order before and after the step."
             }
             Advice::MoreSamplesOfFile => {
                 "Take more samples, four times as many or more: a jump keeps its size, a steep slope fades."
@@ -261,7 +280,16 @@ impl Advice {
             Advice::MoreLoopsOfFile => {
                 "One loop tests one region of phase space: also measure others, from `symplint loop --shape fourier --seed 2`, for example."
             }
+            Advice::LookBeyondFriction => {
+                "Friction is excluded, as the step preserves volume or is time-reversible. Look for a force that is not a gradient \
+                 (`check_force`): a pair force without its reaction, a coupling with a wrong sign. Look for momenta that are not canonical, and \
+                 for steps of different lengths for different states."
+            }
+            Advice::UseStepSize => {
+                "If the step has a time step of its own, let it use h. If it has none, state this (step_sizes = \"none\")."
+            }
             Advice::LookForCause { .. }
+            | Advice::StepsAtOnce { .. }
             | Advice::MoreStepSizes { .. }
             | Advice::NoOrder { .. }
             | Advice::LargerSteps { .. }
@@ -313,6 +341,10 @@ impl Display for Advice {
                     _ => Ok(()),
                 }
             }
+            Advice::StepsAtOnce { repeat } => write!(
+                f,
+                "Larger steps fail, so test {repeat} steps at once (repeat = {repeat}): together they should rotate the loop by about a radian."
+            ),
             Advice::LargerRadii { factor } => write!(
                 f,
                 "Take a loop {} times as large: the map changes the integral of such a loop.",

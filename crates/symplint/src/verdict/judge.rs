@@ -46,7 +46,7 @@ pub fn judge(evidence: &Evidence) -> Verdict {
     let mut decision = case.decide();
     let properties = properties(evidence, decision.kind);
     let cause = case.cause(&decision, &properties);
-    decision.advise_on_cause(cause.as_ref(), evidence);
+    decision.advise_on_cause(cause.as_ref(), evidence, &properties);
     if evidence.survey.wrong_period.is_some() {
         decision.advice.push(Advice::CorrectPeriod);
     }
@@ -103,12 +103,17 @@ impl Decision {
     }
 
     /// The remedy for the likeliest cause comes first; if no cause is known, those that defects of this order have.
-    fn advise_on_cause(&mut self, cause: Option<&Cause>, evidence: &Evidence) {
+    fn advise_on_cause(
+        &mut self,
+        cause: Option<&Cause>,
+        evidence: &Evidence,
+        properties: &[Property],
+    ) {
         let Some(cause) = cause else {
             let names_none = self.advice.iter().all(Advice::is_of_order);
             if self.kind == VerdictKind::NotSymplectic && names_none {
                 let order = self.order.or_else(|| slope_of(evidence));
-                self.advice.insert(0, Advice::LookForCause { order });
+                self.advice.insert(0, Advice::on_order(order, properties));
             }
             return;
         };

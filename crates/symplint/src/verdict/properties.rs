@@ -88,6 +88,12 @@ fn holds(defect: f64, uncertainty: f64, least_defect: f64) -> Option<bool> {
 }
 
 impl Property {
+    /// Whether it holds, and does not hold for a step with friction.
+    pub(super) fn excludes_friction(&self) -> bool {
+        matches!(self.name, PropertyName::Volume | PropertyName::Reversible)
+            && self.holds == Some(true)
+    }
+
     fn new(name: PropertyName, holds: Option<bool>) -> Self {
         Property {
             name,

@@ -4,7 +4,7 @@ mod breaks;
 mod matrix;
 
 use symplint::map::{Capabilities, Substeps};
-use symplint::verdict::{Cause, CauseKind};
+use symplint::verdict::{Advice, Cause, CauseKind};
 use symplint::{
     Block, Circle, Diagnosis, Diagnostic, PerSample, StepFailure, TimeAdvance, Verdict, VerdictKind,
 };
@@ -264,15 +264,17 @@ fn mistakes_in_what_a_step_returns_are_named() {
 
 /// The method of Runge and Kutta of order 4 for a pendulum, with the force of the last stage at another position.
 fn runge_kutta(last: f64) -> impl TimeAdvance {
-    PerSample::new(1, move |h, q, p| {
-        let of = |q: f64, p: f64| (p, -q.sin());
-        let (a, b) = of(q[0], p[0]);
-        let (c, d) = of(q[0] + 0.5 * h * a, p[0] + 0.5 * h * b);
-        let (e, f) = of(q[0] + 0.5 * h * c, p[0] + 0.5 * h * d);
-        let (k, l) = of(q[0] + last * h * e, p[0] + h * f);
-        q[0] += h / 6.0 * (a + 2.0 * c + 2.0 * e + k);
-        p[0] += h / 6.0 * (b + 2.0 * d + 2.0 * f + l);
-    })
+    PerSample::new(1, move |h, q, p| runge_kutta_step(last, h, q, p))
+}
+
+fn runge_kutta_step(last: f64, h: f64, q: &mut [f64], p: &mut [f64]) {
+    let of = |q: f64, p: f64| (p, -q.sin());
+    let (a, b) = of(q[0], p[0]);
+    let (c, d) = of(q[0] + 0.5 * h * a, p[0] + 0.5 * h * b);
+    let (e, f) = of(q[0] + 0.5 * h * c, p[0] + 0.5 * h * d);
+    let (k, l) = of(q[0] + last * h * e, p[0] + h * f);
+    q[0] += h / 6.0 * (a + 2.0 * c + 2.0 * e + k);
+    p[0] += h / 6.0 * (b + 2.0 * d + 2.0 * f + l);
 }
 
 #[test]
@@ -753,4 +755,75 @@ fn parts_of_a_step_of_many_degrees_of_freedom_are_named() {
             assert!(found.evidence.evaluations.made <= 20_000);
         }
     }
+}
+
+#[test]
+fn a_forgotten_reaction_is_named() {
+    let bodies = |reaction: f64| {
+        PerSample::new(2, move |h, q: &mut [f64], p: &mut [f64]| {
+            leapfrog(h, q, p, &|q| {
+                let pair = 0.3 * (q[0] - q[1]);
+                [-q[0].sin() - reaction * pair, -q[1].sin() + pair]
+            });
+        })
+    };
+    let found = diagnose(&bodies(0.0), &[0.4, 0.3], &[0.1, 0.2], 0.5);
+    cause(&found.verdict, CauseKind::ForceWithCurl, &["qq 0."]);
+    // Only degenerate forms are preserved.
+    let form = found.evidence.preserved_form.as_ref().unwrap();
+    assert_eq!((form.exists, form.change), (Some(false), None));
+    // A weak reaction is one with other weights.
+    let found = diagnose(&bodies(1e-4), &[0.4, 0.3], &[0.1, 0.2], 0.5);
+    cause(&found.verdict, CauseKind::VelocitiesForMomenta, &[]);
+}
+
+#[test]
+fn friction_is_not_suspected_if_a_property_excludes_it() {
+    let turned = |q: &[f64]| [-q[0].sin() + 1e-3 * q[1], -q[1].sin() - 1e-3 * q[0] * q[1]];
+    let map = PerSample::new(2, move |h, q: &mut [f64], p: &mut [f64]| {
+        leapfrog(h, q, p, &turned)
+    });
+    let mut diagnostic = Diagnostic::halving(-1, -5);
+    // The Jacobian tells the cause.
+    diagnostic.jacobian = false;
+    let circle = Circle::new(vec![0.4, 0.3], vec![0.1, 0.2], 0.5).unwrap();
+    let found = diagnostic.run(&map, &circle).unwrap().verdict;
+    assert_eq!(found.kind, VerdictKind::NotSymplectic);
+    let advice = found.advice().concat();
+    assert!(
+        advice.starts_with("Friction is excluded"),
+        "{found}: {advice}"
+    );
+}
+
+#[test]
+fn small_steps_that_cannot_be_larger_are_tested_together() {
+    let map = PerSample::new(1, |h, q, p| {
+        // The largest four sizes fail: a state is not finite.
+        p[0] -= if h > 0.05 { f64::NAN } else { h * q[0].sin() };
+        q[0] += h * p[0];
+    });
+    let circle = Circle::new(vec![1.0], vec![0.5], 1.0).unwrap();
+    let diagnostic = Diagnostic::halving(-1, -10);
+    let found = diagnostic.run(&map, &circle).unwrap().verdict;
+    assert_eq!(found.kind, VerdictKind::Undecided, "{found}");
+    let Some(&Advice::StepsAtOnce { repeat }) = found.advice.first() else {
+        panic!("{found}: {:?}", found.advice);
+    };
+    let followed = Diagnostic {
+        step_sizes: vec![1.0 / 32.0, 1.0 / 64.0],
+        repeat,
+        ..Diagnostic::default()
+    };
+    let found = followed.run(&map, &circle).unwrap().verdict;
+    assert_eq!(found.kind, VerdictKind::Symplectic, "{found}");
+}
+
+#[test]
+fn a_short_step_that_ignores_h_is_not_symplectic_by_that() {
+    // A fourth-order method with its own time step: the defect of one step is a rounding error.
+    let fixed = PerSample::new(1, |_, q, p| runge_kutta_step(1.0, 0.01, q, p));
+    let found = verdict(&fixed, &[1.0], &[0.5], 1.0);
+    assert_eq!(found.kind, VerdictKind::Undecided, "{found}");
+    assert_eq!(found.advice, [Advice::UseStepSize]);
 }

@@ -73,7 +73,8 @@ impl Clues<'_> {
                 CauseKind::IgnoresStepSize,
                 "The step gives the same result for every step size, to the last bit.".into(),
                 "If the function is a right-hand side, which returns dq/dt and dp/dt, give a step of an integrator (`check_field` tests \
-                 the right-hand side itself). If it is a map without a step size, pass step_sizes = \"none\".",
+                 the right-hand side itself). If it has a time step of its own, let it use h. If it is a map without a step size, pass \
+                 step_sizes = \"none\".",
             )
         })
     }

@@ -152,17 +152,14 @@ impl Clues<'_> {
         let is_cause = |advice: &&Advice| !advice.is_general() && !advice.is_of_order();
         match self.advice.iter().find(is_cause) {
             Some(advice) => advice.to_string(),
-            None => Advice::LookForCause {
-                order: self.slope(),
-            }
-            .to_string(),
+            None => Advice::on_order(self.slope(), self.properties).to_string(),
         }
     }
 
     /// No constant form is preserved.
     pub(super) fn no_form(&self) -> Option<Cause> {
         let form = self.evidence.preserved_form.as_ref()?;
-        let change = form.change.filter(|_| form.exists == Some(false))?;
+        form.exists.filter(|exists| !exists)?;
         let (what, family) = match form.all_constant {
             true if form.with_fields => (
                 "masses, signs, pairs or magnetic field of at most degree 2",
@@ -171,11 +168,17 @@ impl Clues<'_> {
             true => ("masses, signs, pairs or uniform field", "constant two-form"),
             false => ("masses or signs", "form Σ c dq∧dp with constant weights c"),
         };
+        let nearest = match form.change {
+            Some(change) => format!(
+                "the nearest {family} changes by {} of its largest entry",
+                two_digits(change)
+            ),
+            None => "all two-forms that do not change are degenerate, as if some coordinates act on others that do not act on them"
+                .to_owned(),
+        };
         let text = format!(
-            "Other variables do not help: no {what} make the step symplectic. At {} states, the nearest {family} changes by {} of its \
-             largest entry.",
-            form.states,
-            two_digits(change)
+            "Other variables do not help: no {what} make the step symplectic. At {} states, {nearest}.",
+            form.states
         );
         Some(Cause::new(CauseKind::NoForm, text, self.remedy()))
     }

@@ -69,7 +69,7 @@ impl Display for MapFinding {
             ),
             MapFinding::Scatter(scatter) => fmt_scatter(f, scatter),
             MapFinding::IgnoresStepSize => f.write_str(
-                "The step ignores h: a state has the same result at all step sizes, so the change follows no power of h.",
+                "The step ignores h: a state has the same result at all step sizes.",
             ),
             MapFinding::WrongPeriod(wrong) => write!(
                 f,

@@ -45,7 +45,11 @@ impl Case<'_> {
                 Finding::Samples(SampleFinding::NotClosed { jump }),
             );
             decision.findings = self.bounds();
-            decision.advice = vec![Advice::OrderOfSamples, Advice::MoreSamplesOfFile];
+            decision.advice = vec![
+                Advice::OrderOfSamples,
+                Advice::PeriodIfPeriodic,
+                Advice::MoreSamplesOfFile,
+            ];
             return Some(decision);
         }
         self.steps().find_map(|(found, step)| {
@@ -201,6 +205,7 @@ impl Case<'_> {
                 samples,
             }));
         decision.advice = vec![
+            Advice::OrderOfSamples,
             Advice::PeriodIfPeriodic,
             Advice::MoreSamplesOfFile,
             Advice::SmootherForce,

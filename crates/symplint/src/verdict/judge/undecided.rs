@@ -225,6 +225,10 @@ impl Case<'_> {
                     factor: reach.factor,
                 },
             }),
+            // Larger steps of a step that ignores h show no more than its one step.
+            _ if self.evidence.survey.ignores_step_size && !kicks && !of_map => {
+                Some(Advice::UseStepSize)
+            }
             Some(reach) if of_map || reach.settles(motion) => None,
             None if of_map || kicks => None,
             _ => Some(self.advice_on_motion(motion, step_size, self.bound_of_loops())),
@@ -276,6 +280,10 @@ impl Case<'_> {
                 true => Advice::CheckCopies,
                 false => Advice::ReturnStates,
             }
+        } else if factor < MOST_LARGER && self.failed_steps() > 0 {
+            // Smaller ones are left.
+            let repeat = factor.ceil() as usize;
+            Advice::StepsAtOnce { repeat }
         } else if factor < MOST_LARGER {
             let factor = Some(factor);
             Advice::LargerSteps { factor, step_size }
@@ -319,7 +327,11 @@ impl Case<'_> {
         });
         Some(self.because(
             because,
-            vec![Advice::MoreSamplesOfFile, Advice::PeriodIfPeriodic],
+            vec![
+                Advice::OrderOfSamples,
+                Advice::MoreSamplesOfFile,
+                Advice::PeriodIfPeriodic,
+            ],
         ))
     }
 

@@ -2,7 +2,7 @@
 
 use nalgebra::DMatrix;
 
-use super::limits::{DEGENERATE, DEGREE, NEAR_ONE, NO_ENTRY, ROUNDING, ROUNDS};
+use super::limits::{DEGENERATE, DEGREE, LARGEST_ERROR, NEAR_ONE, NO_ENTRY, ROUNDING, ROUNDS};
 use super::null_space::{Equations, NullSpace, Solutions};
 use crate::evidence::monomial;
 use crate::jacobian::TangentImages;
@@ -32,6 +32,8 @@ pub(super) enum Fit {
     None {
         change: f64,
     },
+    /// All preserved forms are degenerate: some coordinates do not act on others.
+    Degenerate,
     Open,
 }
 
@@ -39,7 +41,7 @@ pub(super) enum Fit {
 /// weights and signs. One of weights and signs is preferred.
 pub(super) fn preserved(images: &[TangentImages], dof: usize, all_constant: bool) -> Fit {
     let mut entries: Vec<Entry> = Vec::new();
-    let mut is_open = false;
+    let (mut is_open, mut is_degenerate) = (false, false);
     let mut add = |fit: Fit| match fit {
         Fit::Preserved(found) => {
             let first = entries.iter().map(|entry| entry.group + 1).max();
@@ -53,7 +55,11 @@ pub(super) fn preserved(images: &[TangentImages], dof: usize, all_constant: bool
             is_open = true;
             None
         }
-        none => Some(none),
+        Fit::Degenerate => {
+            is_degenerate = true;
+            None
+        }
+        none @ Fit::None { .. } => Some(none),
     };
     let (pairs_of_all, coordinates) = match all_constant {
         true => (parts(images, dof, true), parts(images, dof, false)),
@@ -61,11 +67,11 @@ pub(super) fn preserved(images: &[TangentImages], dof: usize, all_constant: bool
     };
     for part in pairs_of_all {
         match weights(images, dof, &part) {
-            Fit::None { change } if all_constant => {
+            fit @ (Fit::None { .. } | Fit::Degenerate) if all_constant => {
                 let within = |of: &&Vec<usize>| of.iter().all(|c| part.contains(c));
                 let smaller: Vec<&Vec<usize>> = coordinates.iter().filter(within).collect();
                 if dof == 1 {
-                    return Fit::None { change };
+                    return fit;
                 }
                 for of in smaller {
                     if let Some(none) = add(general(images, dof, of)) {
@@ -80,9 +86,10 @@ pub(super) fn preserved(images: &[TangentImages], dof: usize, all_constant: bool
             }
         }
     }
-    match is_open {
-        true => Fit::Open,
-        false => Fit::Preserved(entries),
+    match (is_degenerate, is_open) {
+        (true, _) => Fit::Degenerate,
+        (false, true) => Fit::Open,
+        (false, false) => Fit::Preserved(entries),
     }
 }
 
@@ -219,7 +226,8 @@ fn weights(images: &[TangentImages], dof: usize, coordinates: &[usize]) -> Fit {
             Solutions::Open => return Fit::Open,
         };
         let Some(groups) = space.groups() else {
-            return Fit::Open;
+            // A weight is 0 in all solutions.
+            return space.degenerate_or_open();
         };
         let largest = |group: usize| {
             let of_group = groups.iter().filter(|of| of.0 == group);
@@ -281,7 +289,7 @@ fn general(images: &[TangentImages], dof: usize, coordinates: &[usize]) -> Fit {
             .into_iter()
             .find(|form| !is_degenerate(&matrix(form)))
         else {
-            return Fit::Open;
+            return space.degenerate_or_open();
         };
         let largest = |k: usize| matrix(&form).row(k).amax();
         let factors: Vec<f64> = (0..coordinates.len()).map(largest).collect();
@@ -293,6 +301,16 @@ fn general(images: &[TangentImages], dof: usize, coordinates: &[usize]) -> Fit {
         }
     }
     Fit::Open
+}
+
+impl NullSpace {
+    /// The answer if no form of the space has an inverse: open, unless the space is known as well as the entries of a form have to be.
+    fn degenerate_or_open(&self) -> Fit {
+        match self.errors.iter().all(|error| *error < LARGEST_ERROR) {
+            true => Fit::Degenerate,
+            false => Fit::Open,
+        }
+    }
 }
 
 /// The form Σ c_i dq_i∧dp_i + Σ B_ij(q) dq_i∧dq_j with polynomials B_ij of low degree that has no other terms: closed ones alone are tried.

@@ -81,19 +81,20 @@ impl Runner<'_> {
         };
         let mut fit = fit::preserved(of_fit, dof, all_constant);
         let has_period = (0..dof).any(|i| subject.coordinates().period(i) != 0.0);
-        if let Fit::None { .. } = fit
+        if let Fit::None { .. } | Fit::Degenerate = fit
             && DOFS_OF_FIELD.contains(&dof)
             && !has_period
         {
             match fit::with_field(of_fit, dof) {
                 // The constant form that comes nearest stays the answer.
                 Fit::None { .. } => found.with_fields = true,
-                Fit::Open => {}
-                preserved => (fit, found.with_fields) = (preserved, true),
+                Fit::Open | Fit::Degenerate => {}
+                preserved @ Fit::Preserved(_) => (fit, found.with_fields) = (preserved, true),
             }
         }
         match fit {
             Fit::Open => {}
+            Fit::Degenerate => found.exists = Some(false),
             Fit::None { change } => {
                 (found.exists, found.change) = (Some(false), Some(change));
             }
