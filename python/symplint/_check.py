@@ -586,7 +586,8 @@ def assert_symplectic(
     name = _name(step)
     match report.kind:
         case "symplectic":
-            text = f"{name} is symplectic to {report.digits} digits only, not to {digits}: "
+            hint = " (double precision allows about 14)" if least is not None and least > 14 else ""
+            text = f"{name} is symplectic to {report.digits} digits only, not to {digits}{hint}: "
         case "undecided":
             raise UndecidedError(f"the evidence on {name} is not enough for a verdict: {report.reasons()}", report)
         case _:

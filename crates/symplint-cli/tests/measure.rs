@@ -630,7 +630,7 @@ fn bad_options_are_refused() {
         ),
         (
             &["before.npz", "a.npz", "b.npz", "--h", "0.5,0.5"],
-            "stated for two loops",
+            "a.npz and b.npz have the same step size",
         ),
         (&["before.npz", "a.npz", "--h", "0"], "step size is 0"),
         (

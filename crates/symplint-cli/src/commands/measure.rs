@@ -153,6 +153,19 @@ fn loops_of(before: &Path, after: &[PathBuf]) -> Vec<PathBuf> {
 
 /// Returns an error that names the file of an invalid step size.
 fn check_step_sizes(after: &[LoopFile]) -> Result<(), Failure> {
+    for (k, file) in after.iter().enumerate() {
+        let same = |of: &&LoopFile| of.step_size.is_some() && of.step_size == file.step_size;
+        if let Some(other) = after[..k].iter().find(same) {
+            return Err(usage(
+                format!(
+                    "{} and {} have the same step size",
+                    other.path.display(),
+                    file.path.display()
+                ),
+                "give one file for each step size, or correct the step sizes by --h",
+            ));
+        }
+    }
     for file in after {
         if let Some(h) = file.step_size.filter(|h| *h == 0.0 || !h.is_finite()) {
             return Err(usage(

@@ -107,7 +107,7 @@ impl Columns {
     fn counted(count: usize) -> Result<Self, String> {
         if count == 0 || count % 2 == 1 {
             return Err(format!(
-                "{count} columns are not as many positions as momenta"
+                "{count} columns, so not as many positions as momenta; separate the columns by commas"
             ));
         }
         Ok(Columns {

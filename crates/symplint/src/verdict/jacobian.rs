@@ -383,7 +383,7 @@ mod tests {
                 "between (q[1], p[1]) and (q[4], p[4])",
             ),
             (NotSymplectic, &not, Agreement::NotSymplectic, "agree."),
-            (NotSymplectic, &symplectic, hidden, "between the points"),
+            (NotSymplectic, &symplectic, hidden, "Other points"),
             (
                 NotSymplectic,
                 &noise,
@@ -391,7 +391,7 @@ mod tests {
                 "1.0e-4",
             ),
             (Undecided, &symplectic, Agreement::LoopsUndecided, "jumps"),
-            (Undecided, &not, Agreement::OnlyJacobianDecides, "proves"),
+            (Undecided, &not, Agreement::OnlyJacobianDecides, "probably"),
         ];
         for (kind, evidence, agreement, words) in cases {
             let digits = (kind == Symplectic).then_some(11.0);

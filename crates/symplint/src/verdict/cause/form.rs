@@ -100,11 +100,11 @@ impl Clues<'_> {
         // If one coordinate feels a force with a wrong factor, other units of its momentum make it a gradient.
         let otherwise = match kind {
             CauseKind::VelocitiesForMomenta | CauseKind::SignOfAPair => {
-                " If they are not, test the force with `check_force`: a coupling with a wrong sign or factor looks the same."
+                " Otherwise test the force with `check_force`: a coupling with a wrong sign or factor looks the same."
             }
             CauseKind::KineticMomenta if form.step_size.is_some() => {
                 " A field does not depend on h. If a smaller step halves these numbers with h, there is no field: two kicks or drifts of the \
-                 step differ, as with a mass that one of them forgets."
+                 step differ: test a kick alone, and look for a mass or a factor 1/2 that one of them forgets."
             }
             _ => "",
         };

@@ -119,8 +119,8 @@ impl Display for Agreement {
             }
             Agreement::HiddenFromJacobian { full, bound } => {
                 let mut text = String::from(
-                    "Trust the loops: derivatives were taken at a few points only. The loop integral can change within the loop, on the \
-                     loop between the points, or at jumps that the samples do not show as breaks",
+                    "Trust the loops: derivatives were taken at a few points only. Other points inside the loop or on it can make the change, \
+                     or jumps that the samples do not show as breaks",
                 );
                 if !full {
                     text += ", or in directions that random pairs mix with too many others";
@@ -131,8 +131,7 @@ impl Display for Agreement {
                 return write!(f, "{text}. Try more points and more samples.");
             }
             Agreement::OnlyJacobianDecides => {
-                "The loops are not enough for a verdict, but a significant defect of the Jacobian proves that the map is \
-                 not symplectic."
+                "The loops are not enough for a verdict. The Jacobian shows a defect, so the map is probably not symplectic."
             }
             Agreement::LoopsUndecided => {
                 "The loops are not enough for a verdict, and derivatives do not detect jumps. Follow the advice."
