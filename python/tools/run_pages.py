@@ -165,7 +165,9 @@ class Page:
                 if self.skips(match["needs"], match["command"]):
                     return whole
                 table = self.shell(match["command"], 0).rstrip()
-                if comparable(table) == comparable(match["table"]):
+                # The tests of a truth table decide which numbers may differ.
+                same = str.split if "target/tmp/truth" in match["command"] else comparable
+                if same(table) == same(match["table"]):
                     return whole
                 first, _ = whole.split("\n", 1)
                 return f"{first}\n{table}\n<!-- /table -->"

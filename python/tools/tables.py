@@ -121,7 +121,10 @@ def long(report: dict | None) -> str:
 
 
 def register() -> Iterator[str]:
-    """The register of packages, with new rows for the packages that are installed in the version of the page."""
+    """The register of packages, with new rows for the packages that are installed in the version of the page.
+
+    The variable REGISTER has packages that must be installed, as `rebound==5.2.2`.
+    """
     examples = REPOSITORY / "examples/python"
     sys.path.insert(0, str(examples))
     import register as entries
@@ -132,16 +135,17 @@ def register() -> Iterator[str]:
         package, version, method = [cell.strip() for cell in line.split("|")[1:4]]
         name = names.get((package, method.strip("`")))
         if name is None or is_other_version(package, version):
-            print(f"not installed, or another version: {package} {version} {method}", file=sys.stderr)
+            if f"{package}=={version}" in os.environ.get("REGISTER", "").split():
+                raise SystemExit(f"{package} {version} is not installed")
             return line
         # Some packages write files.
         with tempfile.TemporaryDirectory() as folder:
             command = [sys.executable, str(examples / "register.py"), "--row", name]
             done = subprocess.run(command, cwd=folder, capture_output=True, text=True)
-        if done.returncode:
-            print(done.stderr, file=sys.stderr)
         rows = [row for row in done.stdout.splitlines() if row.startswith(f"| {package} |")]
-        return rows[0] if rows else f"| {package} | {version} | {method} | fails |"
+        if not rows:
+            raise SystemExit(f"{name} fails:\n{done.stderr}")
+        return rows[0]
 
     page = (REPOSITORY / "docs/register.md").read_text(encoding="utf-8")
     lines = page[page.index("| package | version |") : page.index("<!-- /table -->")].splitlines()

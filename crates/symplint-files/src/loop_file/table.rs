@@ -106,8 +106,12 @@ impl Columns {
     /// Without a header: the first half positions, the second half momenta.
     fn counted(count: usize) -> Result<Self, String> {
         if count == 0 || count % 2 == 1 {
+            let remedy = match count {
+                1 => "separate the columns by commas",
+                _ => "give as many q as p, or a first line with the names of the columns",
+            };
             return Err(format!(
-                "{count} columns, so not as many positions as momenta; separate the columns by commas"
+                "{count} columns are not as many positions as momenta; {remedy}"
             ));
         }
         Ok(Columns {

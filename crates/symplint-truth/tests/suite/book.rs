@@ -22,7 +22,7 @@ pub fn grouped(count: usize) -> String {
     }
 }
 
-/// With two significant digits.
+/// With two significant digits, or three next to a power of ten.
 pub fn short(value: f64) -> String {
     let exponent = value.log10().floor();
     match value {

@@ -139,8 +139,10 @@ pub enum Advice {
     LookBeyondFriction,
     /// Test several steps at once, as larger steps fail.
     StepsAtOnce {
-        /// This number of them.
+        /// This multiple of the present number.
         repeat: usize,
+        /// The smallest budget for them, if it is larger than the present one.
+        budget: Option<usize>,
     },
     /// Let the step use the step size, or state that it has none.
     UseStepSize,
@@ -281,7 +283,7 @@ impl Advice {
                 "One loop tests one region of phase space: also measure others, from `symplint loop --shape fourier --seed 2`, for example."
             }
             Advice::LookBeyondFriction => {
-                "Friction is excluded, as the step preserves volume or is time-reversible. Look for a force that is not a gradient \
+                "The step preserves volume where it was tested, so friction is not the likely cause. Look for a force that is not a gradient \
                  (`check_force`): a pair force without its reaction, a coupling with a wrong sign. Look for momenta that are not canonical, and \
                  for steps of different lengths for different states."
             }
@@ -341,10 +343,16 @@ impl Display for Advice {
                     _ => Ok(()),
                 }
             }
-            Advice::StepsAtOnce { repeat } => write!(
-                f,
-                "Larger steps fail, so test {repeat} steps at once (repeat = {repeat}): together they should rotate the loop by about a radian."
-            ),
+            Advice::StepsAtOnce { repeat, budget } => {
+                write!(
+                    f,
+                    "Larger steps fail, so test {repeat} steps at once (repeat = {repeat}, or {repeat} times the present repeat"
+                )?;
+                if let Some(budget) = budget {
+                    write!(f, "; budget = {budget} or more")?;
+                }
+                f.write_str("): together they should rotate the loop by about a radian.")
+            }
             Advice::LargerRadii { factor } => write!(
                 f,
                 "Take a loop {} times as large: the map changes the integral of such a loop.",
@@ -413,14 +421,15 @@ fn look_for_cause(order: Option<f64>) -> String {
             };
             format!(
                 "Check the method: {methods}, for example, changes loop integrals in proportion to {law}. Use a symplectic method of the \
-                 same order. If yours is symplectic, look for a solver or a force with too few digits, and with several degrees of \
-                 freedom, test the force (`check_force` in Python and C)."
+                 same order. A splitting such as leapfrog is symplectic if H = T(p) + V(q): forces do not depend on p, and each substep \
+                 uses the newest q and p. An implicit method has to solve its equations to all digits. With several degrees of freedom, \
+                 test the force (`check_force` in Python and C)."
             )
         }
         Some(order) if order > 0.0 => {
             "Look for friction, a force that is not a gradient (`check_force`), momenta that are not canonical (velocities: \
              `weight`, or `mass_matrix` if masses depend on q; p = γ m v; a magnetic field), steps of different lengths for different \
-             states, and for the explicit Euler method."
+             states, a force that depends on p, and for the explicit Euler method."
                 .to_owned()
         }
         _ => {

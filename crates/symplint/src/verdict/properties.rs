@@ -88,10 +88,9 @@ fn holds(defect: f64, uncertainty: f64, least_defect: f64) -> Option<bool> {
 }
 
 impl Property {
-    /// Whether it holds, and does not hold for a step with friction.
+    /// Whether it holds, and does not hold for a step with friction. (A step with a thermostat can be time-reversible.)
     pub(super) fn excludes_friction(&self) -> bool {
-        matches!(self.name, PropertyName::Volume | PropertyName::Reversible)
-            && self.holds == Some(true)
+        self.name == PropertyName::Volume && self.holds == Some(true)
     }
 
     fn new(name: PropertyName, holds: Option<bool>) -> Self {

@@ -778,20 +778,19 @@ fn a_forgotten_reaction_is_named() {
 }
 
 #[test]
-fn friction_is_not_suspected_if_a_property_excludes_it() {
-    let turned = |q: &[f64]| [-q[0].sin() + 1e-3 * q[1], -q[1].sin() - 1e-3 * q[0] * q[1]];
-    let map = PerSample::new(2, move |h, q: &mut [f64], p: &mut [f64]| {
-        leapfrog(h, q, p, &turned)
+fn friction_is_not_suspected_if_the_step_preserves_volume() {
+    // The loop passes the centre of a force that is not a gradient, so that the blocks of the Jacobian tell no cause.
+    let map = PerSample::new(2, |h, q: &mut [f64], p: &mut [f64]| {
+        leapfrog(h, q, p, &|q| {
+            let r = q[0].hypot(q[1]);
+            [-q[0] / r.powi(3), -q[1] / r.powi(2)]
+        });
     });
-    let mut diagnostic = Diagnostic::halving(-1, -5);
-    // The Jacobian tells the cause.
-    diagnostic.jacobian = false;
-    let circle = Circle::new(vec![0.4, 0.3], vec![0.1, 0.2], 0.5).unwrap();
-    let found = diagnostic.run(&map, &circle).unwrap().verdict;
+    let found = verdict(&map, &[1.0, 0.0], &[0.0, 1.1], 1.0);
     assert_eq!(found.kind, VerdictKind::NotSymplectic);
     let advice = found.advice().concat();
     assert!(
-        advice.starts_with("Friction is excluded"),
+        advice.starts_with("The step preserves volume"),
         "{found}: {advice}"
     );
 }
@@ -807,7 +806,7 @@ fn small_steps_that_cannot_be_larger_are_tested_together() {
     let diagnostic = Diagnostic::halving(-1, -10);
     let found = diagnostic.run(&map, &circle).unwrap().verdict;
     assert_eq!(found.kind, VerdictKind::Undecided, "{found}");
-    let Some(&Advice::StepsAtOnce { repeat }) = found.advice.first() else {
+    let Some(&Advice::StepsAtOnce { repeat, .. }) = found.advice.first() else {
         panic!("{found}: {:?}", found.advice);
     };
     let followed = Diagnostic {
@@ -826,4 +825,12 @@ fn a_short_step_that_ignores_h_is_not_symplectic_by_that() {
     let found = verdict(&fixed, &[1.0], &[0.5], 1.0);
     assert_eq!(found.kind, VerdictKind::Undecided, "{found}");
     assert_eq!(found.advice, [Advice::UseStepSize]);
+    // A single step size shows it, too.
+    let circle = Circle::new(vec![1.0], vec![0.5], 1.0).unwrap();
+    let of_one = Diagnostic {
+        step_sizes: vec![0.1],
+        ..Diagnostic::default()
+    };
+    let found = of_one.run(&fixed, &circle).unwrap().verdict;
+    assert_eq!(found.advice, [Advice::UseStepSize], "{found}");
 }

@@ -18,7 +18,7 @@ const BUDGETS: [usize; 4] = [200, 1_000, 5_000, 20_000];
 /// What came of a member in a budget.
 #[derive(Clone)]
 pub struct Found {
-    budget: usize,
+    pub budget: usize,
     label: String,
     /// `None` for an error.
     outcome: Option<Outcome>,
@@ -52,33 +52,32 @@ fn found(family: &Family, index: usize, budget: usize) -> Option<Found> {
         return None;
     };
     diagnostic.budget = Some(budget);
-    let found = diagnose(&member.subject);
-    if let Err(error) = &found
-        && let wrong @ Outcome::Wrong(_) = outcome_of_error(&member, error)
-    {
-        return Some(Found {
-            budget,
-            label: format!("{} {index}: {}", family.name, member.label),
-            outcome: Some(wrong),
-        });
-    }
-    let outcome = found.ok().map(|found| {
-        match (member.truth.expected, found.verdict.digits) {
-            // A small budget need not find it, as long as the digits that it states are not too many.
-            (Expected::SmallDefect(defect), Some(digits)) if digits <= -defect.log10() => {
-                Outcome::Right
-            }
-            // Nor errors that the verdict says it may have missed.
-            (Expected::Symplectic { .. }, Some(_)) if may_miss(&member, &found.verdict) => {
-                Outcome::Right
-            }
-            _ => outcome(&member, &found),
+    let found = match diagnose(&member.subject) {
+        Ok(found) => found,
+        Err(error) => {
+            let outcome = outcome_of_error(&member, &error);
+            return Some(Found {
+                budget,
+                label: format!("{} {index}: {}", family.name, member.label),
+                outcome: (outcome != Outcome::Undecided).then_some(outcome),
+            });
         }
-    });
+    };
+    let outcome = match (member.truth.expected, found.verdict.digits) {
+        // A small budget need not find it, as long as the digits that it states are not too many.
+        (Expected::SmallDefect(defect), Some(digits)) if digits <= -defect.log10() => {
+            Outcome::Right
+        }
+        // Nor errors that the verdict says it may have missed.
+        (Expected::Symplectic { .. }, Some(_)) if may_miss(&member, &found.verdict) => {
+            Outcome::Right
+        }
+        _ => outcome(&member, &found),
+    };
     Some(Found {
         budget,
         label: format!("{} {index}: {}", family.name, member.label),
-        outcome,
+        outcome: Some(outcome),
     })
 }
 

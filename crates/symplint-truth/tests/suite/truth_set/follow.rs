@@ -155,6 +155,10 @@ fn changed(subject: &Subject, advice: &Advice, found: &Diagnosis) -> Option<(Sub
                     *map = full.clone()?;
                     exact = true;
                 }
+                Advice::StepsAtOnce { repeat, .. } => {
+                    diagnostic.repeat *= repeat;
+                    diagnostic.budget = None;
+                }
                 other => return not_here(other),
             }
         }
@@ -196,6 +200,7 @@ fn not_here(advice: &Advice) -> Option<(Subject, bool)> {
             | Advice::SmootherForce
             | Advice::Remedy { .. }
             | Advice::LookForCause { .. }
+            | Advice::LookBeyondFriction
             | Advice::StateStepSizes
             | Advice::CheckCopies
             | Advice::MoreStepSizes { .. }

@@ -1,8 +1,8 @@
 //! The truth set: families of random maps whose right answer is known, and what the diagnosis says of them.
 //!
 //! A member is made from its family and its number alone. The normal tests run every 20th;
-//! `cargo test --release -p symplint-truth truth_set:: -- --ignored --nocapture` runs all of them and prints the
-//! tables of docs/truth.md; the variable `TRUTH_SET_FAMILIES=units,sizes` chooses some of them. `TRUTH_SET_MEMBER=steep:23` and the test
+//! `cargo test --release -p symplint-truth truth_set:: -- --ignored` runs all of them and writes the
+//! tables of docs/truth.md to `target/tmp/truth`; the variable `TRUTH_SET_FAMILIES=units,sizes` chooses some of them. `TRUTH_SET_MEMBER=steep:23` and the test
 //! `one_member` print what is said of one.
 
 mod advice;
@@ -226,7 +226,7 @@ fn no_budget_makes_a_wrong_verdict() {
 }
 
 #[test]
-#[ignore = "minutes: prints the tables of docs/truth.md"]
+#[ignore = "minutes: writes the tables of docs/truth.md"]
 fn all_members() {
     let chosen = std::env::var("TRUTH_SET_FAMILIES").ok();
     let is_chosen = |name: &str| {
@@ -267,11 +267,17 @@ fn summary(lines: &[Line], small_budgets: &[budgets::Found]) -> String {
         _ => format!("{count} are"),
     };
     format!(
-        "On {} random maps with a known answer and the automatic budget, {} [wrong](PAGEtruth.md), and {} are undecided. With\n\
-         20,000 evaluations, the default in Python, {} [wrong](PAGEtruth.md#small-budgets).\n",
+        "On {} random maps with a known answer and the automatic budget, {} [wrong](PAGEtruth.md), and {} are undecided. On {}\n\
+         of them with 20,000 evaluations, the default in Python, {} [wrong](PAGEtruth.md#small-budgets).\n",
         book::grouped(lines.len()),
         wrong(lines.iter().filter(|line| line.is_wrong()).count()),
         undecided.count(),
+        book::grouped(
+            small_budgets
+                .iter()
+                .filter(|found| found.budget == 20_000)
+                .count()
+        ),
         wrong(budgets::wrong_of(small_budgets, 20_000)),
     )
 }

@@ -171,7 +171,7 @@ fn remedy(kind: CauseKind) -> &'static str {
         CauseKind::ForceWithCurl => {
             "Test the force without the step: `check_force(F, q0)`. Look for a pair force without its reaction, a coupling with a wrong \
              sign, a force from a table or a network that predicts forces instead of an energy. If the force passes, look for time steps \
-             or masses that differ between the kicks of the step, or from particle to particle."
+             that differ from particle to particle, and for masses that differ between the kicks of the step."
         }
         CauseKind::VelocityWithCurl => {
             "Test how positions are advanced: dq/dt has to be the gradient of a kinetic energy in p, with a symmetric mass matrix."

@@ -102,9 +102,12 @@ impl Clues<'_> {
             CauseKind::VelocitiesForMomenta | CauseKind::SignOfAPair => {
                 " Otherwise test the force with `check_force`: a coupling with a wrong sign or factor looks the same."
             }
+            CauseKind::OtherForm => {
+                " Otherwise test the force with `check_force`: a pair force without its reaction looks the same."
+            }
             CauseKind::KineticMomenta if form.step_size.is_some() => {
-                " A field does not depend on h. If a smaller step halves these numbers with h, there is no field: two kicks or drifts of the \
-                 step differ: test a kick alone, and look for a mass or a factor 1/2 that one of them forgets."
+                " A field does not depend on h. If a smaller step halves these numbers with h, there is no field, and two kicks or drifts of \
+                 the step differ. Then test a kick alone, and look for a mass or a factor 1/2 that one of them forgets."
             }
             _ => "",
         };
@@ -173,7 +176,7 @@ impl Clues<'_> {
                 "the nearest {family} changes by {} of its largest entry",
                 two_digits(change)
             ),
-            None => "all two-forms that do not change are degenerate, as if some coordinates act on others that do not act on them"
+            None => "the forms Σ c dq∧dp that do not change have a weight c of 0, as if a coordinate acts on others that do not act on it"
                 .to_owned(),
         };
         let text = format!(

@@ -123,7 +123,7 @@ impl Display for Agreement {
                      or jumps that the samples do not show as breaks",
                 );
                 if !full {
-                    text += ", or in directions that random pairs mix with too many others";
+                    text += ", or a defect in directions that random pairs mix with too many others";
                 }
                 if let Some(bound) = bound {
                     text += &format!(". The Jacobian does not show a defect below {bound:.1e}");

@@ -3,7 +3,7 @@
 use super::{Case, Decision, change};
 use crate::evidence::{
     Check, LEAST_DEFORMATION, LEAST_PHASE_ADVANCE, LoopEvidence, LoopKind, Motion, StepEvidence,
-    defect_of_order_4,
+    Why, defect_of_order_4,
 };
 use crate::rules::RuleKind;
 use crate::signal::SIGNIFICANT;
@@ -16,6 +16,9 @@ use crate::verdict::jacobian::JacobianVerdict;
 use crate::verdict::thresholds::{
     LOOSEST_TOLERANCE, MOST_DEFORMATION, MOST_LARGER, POINT_OF_DISC, SMALL, UNBALANCED,
 };
+
+/// Evaluations of a check of a smooth map, about.
+const EVALUATIONS_OF_A_STEP: usize = 1000;
 
 impl Case<'_> {
     pub(super) fn because(&self, because: Finding, advice: Vec<Advice>) -> Decision {
@@ -280,10 +283,13 @@ impl Case<'_> {
                 true => Advice::CheckCopies,
                 false => Advice::ReturnStates,
             }
-        } else if factor < MOST_LARGER && self.failed_steps() > 0 {
-            // Smaller ones are left.
+        } else if factor < MOST_LARGER && self.larger_steps_fail(step_size) {
             let repeat = factor.ceil() as usize;
-            Advice::StepsAtOnce { repeat }
+            let budget = EVALUATIONS_OF_A_STEP.saturating_mul(repeat);
+            Advice::StepsAtOnce {
+                repeat,
+                budget: (budget > self.evidence.evaluations.budget).then_some(budget),
+            }
         } else if factor < MOST_LARGER {
             let factor = Some(factor);
             Advice::LargerSteps { factor, step_size }
@@ -293,6 +299,15 @@ impl Case<'_> {
         } else {
             Advice::LoopWithForces
         }
+    }
+
+    /// Whether the map failed at a step size above the largest one that was measured.
+    fn larger_steps_fail(&self, measured: Option<f64>) -> bool {
+        let failed = (self.evidence.omissions.iter()).filter_map(|omission| match omission.why {
+            Why::Failed { step_size, .. } if omission.check == Check::GivenLoop => step_size,
+            _ => None,
+        });
+        measured.is_some_and(|measured| failed.into_iter().any(|h| h.abs() > measured.abs()))
     }
 
     /// What only loops of another code can lack.

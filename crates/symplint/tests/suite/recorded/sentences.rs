@@ -583,6 +583,19 @@ fn of_advice() {
         Advice::MoreLoops,
         Advice::MoreLoopsOfFile,
         Advice::MoreEvaluations { wanted: 1234 },
+        Advice::KeepToManifold,
+        Advice::MovesNothing,
+        Advice::CorrectPeriod,
+        Advice::LookBeyondFriction,
+        Advice::StepsAtOnce {
+            repeat: 22,
+            budget: None,
+        },
+        Advice::StepsAtOnce {
+            repeat: 220,
+            budget: Some(220_000),
+        },
+        Advice::UseStepSize,
     ] {
         text += &format!("{advice}\n");
     }

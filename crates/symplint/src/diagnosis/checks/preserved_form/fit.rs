@@ -68,13 +68,18 @@ pub(super) fn preserved(images: &[TangentImages], dof: usize, all_constant: bool
     for part in pairs_of_all {
         match weights(images, dof, &part) {
             fit @ (Fit::None { .. } | Fit::Degenerate) if all_constant => {
+                let has_degenerate = matches!(fit, Fit::Degenerate);
                 let within = |of: &&Vec<usize>| of.iter().all(|c| part.contains(c));
                 let smaller: Vec<&Vec<usize>> = coordinates.iter().filter(within).collect();
                 if dof == 1 {
                     return fit;
                 }
                 for of in smaller {
-                    if let Some(none) = add(general(images, dof, of)) {
+                    let fit = match general(images, dof, of) {
+                        Fit::Open if has_degenerate => Fit::Degenerate,
+                        fit => fit,
+                    };
+                    if let Some(none) = add(fit) {
                         return none;
                     }
                 }
@@ -226,8 +231,11 @@ fn weights(images: &[TangentImages], dof: usize, coordinates: &[usize]) -> Fit {
             Solutions::Open => return Fit::Open,
         };
         let Some(groups) = space.groups() else {
-            // A weight is 0 in all solutions.
-            return space.degenerate_or_open();
+            // A weight is 0 in all solutions, to within its error.
+            return match space.errors.iter().all(|error| *error < LARGEST_ERROR) {
+                true => Fit::Degenerate,
+                false => Fit::Open,
+            };
         };
         let largest = |group: usize| {
             let of_group = groups.iter().filter(|of| of.0 == group);
@@ -289,7 +297,8 @@ fn general(images: &[TangentImages], dof: usize, coordinates: &[usize]) -> Fit {
             .into_iter()
             .find(|form| !is_degenerate(&matrix(form)))
         else {
-            return space.degenerate_or_open();
+            // Or its units are not known yet.
+            return Fit::Open;
         };
         let largest = |k: usize| matrix(&form).row(k).amax();
         let factors: Vec<f64> = (0..coordinates.len()).map(largest).collect();
@@ -301,16 +310,6 @@ fn general(images: &[TangentImages], dof: usize, coordinates: &[usize]) -> Fit {
         }
     }
     Fit::Open
-}
-
-impl NullSpace {
-    /// The answer if no form of the space has an inverse: open, unless the space is known as well as the entries of a form have to be.
-    fn degenerate_or_open(&self) -> Fit {
-        match self.errors.iter().all(|error| *error < LARGEST_ERROR) {
-            true => Fit::Degenerate,
-            false => Fit::Open,
-        }
-    }
 }
 
 /// The form Σ c_i dq_i∧dp_i + Σ B_ij(q) dq_i∧dq_j with polynomials B_ij of low degree that has no other terms: closed ones alone are tried.
