@@ -24,8 +24,7 @@ def test_every_row_has_an_entry_and_agrees_with_theory(entries):
     rows = [line.strip("|").split("|") for line in page.splitlines() if re.match(r"\| [\w-]+ \| \d", line)]
     rows = [[cell.strip() for cell in row] for row in rows]
     theory = {(package, method): theory for _, method, package, theory in entries.values()}
-    # Those of Xtrack are a script.
-    shown = {(package, method.strip("`")): of for package, _, method, of, _ in rows if package != "xtrack"}
+    shown = {(package, method.strip("`")): of for package, _, method, of, _ in rows}
     assert shown == theory
     for package, _, method, of, verdict in rows:
         is_symplectic = verdict.startswith("symplectic to ")

@@ -155,6 +155,7 @@ fn changed(subject: &Subject, advice: &Advice, found: &Diagnosis) -> Option<(Sub
                     *map = full.clone()?;
                     exact = true;
                 }
+                Advice::UseStepSize => diagnostic.has_step_size = false,
                 Advice::StepsAtOnce { repeat, .. } => {
                     diagnostic.repeat *= repeat;
                     diagnostic.budget = None;
