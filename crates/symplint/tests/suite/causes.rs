@@ -825,12 +825,4 @@ fn a_short_step_that_ignores_h_is_not_symplectic_by_that() {
     let found = verdict(&fixed, &[1.0], &[0.5], 1.0);
     assert_eq!(found.kind, VerdictKind::Undecided, "{found}");
     assert_eq!(found.advice, [Advice::UseStepSize]);
-    // A single step size shows it, too.
-    let circle = Circle::new(vec![1.0], vec![0.5], 1.0).unwrap();
-    let of_one = Diagnostic {
-        step_sizes: vec![0.1],
-        ..Diagnostic::default()
-    };
-    let found = of_one.run(&fixed, &circle).unwrap().verdict;
-    assert_eq!(found.advice, [Advice::UseStepSize], "{found}");
 }

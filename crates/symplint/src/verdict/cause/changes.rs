@@ -68,9 +68,7 @@ impl Clues<'_> {
 
     /// The result is the same for every step size.
     pub(super) fn ignores_step_size(&self) -> Option<Cause> {
-        // Of one step size, other causes tell more.
-        let sizes = self.evidence.loops.first()?.steps.len();
-        (self.evidence.survey.ignores_step_size && sizes > 1).then(|| {
+        self.evidence.survey.ignores_step_size.then(|| {
             Cause::new(
                 CauseKind::IgnoresStepSize,
                 "The step gives the same result for every step size, to the last bit.".into(),

@@ -13,12 +13,7 @@ pub(super) fn ignores_step_size(evaluator: &Evaluator<'_>, sizes: &[f64]) -> Res
     let Some(kept) = kept.iter().find(|kept| kept.is_of_given_loop()) else {
         return Ok(false);
     };
-    let mut others: Vec<f64> = sizes.iter().copied().filter(|&h| h != kept.h).collect();
-    if let [only] = sizes
-        && evaluator.stated(*only).is_some()
-    {
-        others.push(0.5 * only);
-    }
+    let others: Vec<f64> = sizes.iter().copied().filter(|&h| h != kept.h).collect();
     if others.is_empty() || others.len() > evaluator.count().left() {
         return Ok(false);
     }
