@@ -165,7 +165,7 @@ class Page:
                 if self.skips(match["needs"], match["command"]):
                     return whole
                 table = self.shell(match["command"], 0).rstrip()
-                # The tests of a truth table decide which numbers may differ.
+                # The mask of rounding errors would hide numbers of the truth set: its tables are equal, or differ.
                 same = str.split if "target/tmp/truth" in match["command"] else comparable
                 if same(table) == same(match["table"]):
                     return whole

@@ -151,7 +151,7 @@ fn loops_of(before: &Path, after: &[PathBuf]) -> Vec<PathBuf> {
     names
 }
 
-/// Returns an error that names the file of an invalid step size.
+/// Returns an error that names the file of an invalid step size, or both files of the same one.
 fn check_step_sizes(after: &[LoopFile]) -> Result<(), Failure> {
     for (k, file) in after.iter().enumerate() {
         let same = |of: &&LoopFile| of.step_size.is_some() && of.step_size == file.step_size;

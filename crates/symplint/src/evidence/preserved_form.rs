@@ -28,7 +28,7 @@ pub struct PreservedForm {
     /// The answer: `None` if the Jacobians are not precise enough for one.
     pub exists: Option<bool>,
     /// Without a preserved form: by how much the form that comes nearest changes, in units of the loop and relative to its largest entry.
-    /// `None` if degenerate forms are preserved.
+    /// `None` if forms Σ c dq∧dp are preserved in which a weight c is 0.
     pub change: Option<f64>,
     /// The entries of the form that are not 0, by their coordinates.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]

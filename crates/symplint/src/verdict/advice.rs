@@ -141,7 +141,7 @@ pub enum Advice {
     StepsAtOnce {
         /// This multiple of the present number.
         repeat: usize,
-        /// The smallest budget for them, if it is larger than the present one.
+        /// Evaluations that such a check needs, about, if they are more than the present budget.
         budget: Option<usize>,
     },
     /// Let the step use the step size, or state that it has none.

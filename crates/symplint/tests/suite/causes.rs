@@ -778,6 +778,32 @@ fn a_forgotten_reaction_is_named() {
 }
 
 #[test]
+fn a_small_mass_is_no_forgotten_reaction() {
+    // Velocities in another order, with a mass that the Jacobian does not show: the form is left open.
+    let light: f64 = 1e-8;
+    let masses = [1.0, light];
+    let map = PerSample::new(2, move |h, q: &mut [f64], v: &mut [f64]| {
+        let kick = |q: &[f64], v: &mut [f64]| {
+            let pair = 0.3 * (q[0] - q[1]).sin();
+            let force = [-q[0].sin() - pair, -light * q[1].sin() + pair];
+            (0..2).for_each(|i| v[1 - i] += 0.5 * h * force[i] / masses[i]);
+        };
+        kick(q, v);
+        (0..2).for_each(|i| q[i] += h * v[1 - i]);
+        kick(q, v);
+    });
+    let circle = Circle::new(vec![0.4, 0.3], vec![0.1, 0.2], 0.3).unwrap();
+    let diagnostic = Diagnostic {
+        step_sizes: vec![5e-5, 2.5e-5],
+        ..Diagnostic::default()
+    };
+    let found = diagnostic.run(&map, &circle).unwrap();
+    let form = found.evidence.preserved_form.as_ref().unwrap();
+    assert_eq!(form.exists, None);
+    assert!(found.verdict.cause.is_none(), "{}", found.verdict);
+}
+
+#[test]
 fn friction_is_not_suspected_if_the_step_preserves_volume() {
     // The loop passes the centre of a force that is not a gradient, so that the blocks of the Jacobian tell no cause.
     let map = PerSample::new(2, |h, q: &mut [f64], p: &mut [f64]| {

@@ -17,7 +17,7 @@ use crate::verdict::thresholds::{
     LOOSEST_TOLERANCE, MOST_DEFORMATION, MOST_LARGER, POINT_OF_DISC, SMALL, UNBALANCED,
 };
 
-/// Evaluations of a check of a smooth map, about.
+/// Evaluations that a check of a smooth map needs, about. Conventional.
 const EVALUATIONS_OF_A_STEP: usize = 1000;
 
 impl Case<'_> {

@@ -32,7 +32,7 @@ pub(super) enum Fit {
     None {
         change: f64,
     },
-    /// All preserved forms are degenerate: some coordinates do not act on others.
+    /// A weight is 0 in all preserved forms Σ c dq∧dp, and no other form was found: some coordinates do not act on others.
     Degenerate,
     Open,
 }
