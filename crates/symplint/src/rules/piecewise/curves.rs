@@ -55,7 +55,7 @@ impl CurvePoint {
 #[derive(Clone)]
 pub(super) struct PointImage {
     /// One state after the other: positions, then momenta.
-    states: Arc<[f64]>,
+    states: Arc<Vec<f64>>,
     /// Coordinates of a state.
     width: usize,
     /// The start of the first state.
@@ -213,25 +213,25 @@ fn point_images(stages: &[Ensemble]) -> Vec<PointImage> {
         .collect();
     let images = |first: usize| {
         let columns = first..(first + TOGETHER).min(samples);
-        let mut states: Vec<Arc<[f64]>> = (columns.clone())
-            .map(|_| std::iter::repeat_n(0.0, rows.len()).collect())
-            .collect();
-        let mut places: Vec<&mut [f64]> = (states.iter_mut())
-            .map(|states| Arc::get_mut(states).expect("it was just made"))
+        let mut states: Vec<Vec<f64>> = (columns.clone())
+            .map(|_| Vec::with_capacity(rows.len()))
             .collect();
         let mut tile = [[0.0; LINE]; TOGETHER];
-        for (group, rows) in rows.chunks(LINE).enumerate() {
+        for rows in rows.chunks(LINE) {
             for (i, row) in rows.iter().enumerate() {
                 let values = &row[columns.clone()];
                 (tile.iter_mut().zip(values)).for_each(|(line, value)| line[i] = *value);
             }
-            for (states, line) in places.iter_mut().zip(&tile) {
-                let of_group = states[group * LINE..].iter_mut();
-                (of_group.zip(line)).for_each(|(place, value)| *place = *value);
+            for (states, line) in states.iter_mut().zip(&tile) {
+                match rows.len() {
+                    // Of a known length, it is two instructions.
+                    LINE => states.extend_from_slice(line),
+                    rest => states.extend_from_slice(&line[..rest]),
+                }
             }
         }
         let image = |states| PointImage {
-            states,
+            states: Arc::new(states),
             width: 2 * dof,
             start: 0,
         };

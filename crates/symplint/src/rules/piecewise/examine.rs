@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use multiversion::multiversion;
 
-use super::fit::{Fit, ends_of_tail, fit, turning_point};
+use super::fit::{Fit, ends_of_tail, fit, fit_all, turning_point};
 use super::jump::Jump;
 use super::limits::{
     AND_MOTION, AS_GOOD, DECAYS, EXPLAINS, FULL, KINK_SAFETY, MOST_TURNING_POINTS, NOISES,
@@ -17,7 +17,7 @@ use super::lobatto::{
 use super::piece::{Piece, Smooth};
 use super::samples::{missed, missed_sample};
 use super::scales::Scales;
-use super::stage_states::StageStates;
+use super::stage_states::{StageStates, Tile, tiles};
 use crate::state::{Coordinates, Ensemble};
 
 /// The kind of a piece.
@@ -105,8 +105,11 @@ impl<'a> View<'a> {
     /// With the interpolants of all coordinates.
     pub fn fitted(mut self) -> Self {
         let last = self.last_stage();
-        let values = last.tiles(0..2 * self.dof());
-        self.fits = values.map(|values| self.fit(&values)).collect();
+        let mut tile = Tile::default();
+        for coordinates in tiles(0..2 * self.dof()) {
+            last.read(coordinates.clone(), &mut tile);
+            self.fit_all(&tile[..coordinates.len()]);
+        }
         self
     }
 
@@ -115,15 +118,17 @@ impl<'a> View<'a> {
     pub fn look(mut self) -> Option<(Self, Finding)> {
         let (dof, last) = (self.dof(), self.last_stage());
         let mut are_good = true;
+        let mut tile = Tile::default();
         // What a force does is seen in momenta first.
-        let values = last.tiles(dof..2 * dof).chain(last.tiles(0..dof));
-        for (c, values) in (dof..2 * dof).chain(0..dof).zip(values) {
-            let fit = self.fit(&values);
-            are_good &= fit.off <= self.allowed(c, &fit);
+        for coordinates in tiles(dof..2 * dof).chain(tiles(0..dof)) {
+            last.read(coordinates.clone(), &mut tile);
+            let before = self.fits.len();
+            self.fit_all(&tile[..coordinates.len()]);
+            let mut fits = coordinates.zip(&self.fits[before..]);
+            are_good &= fits.all(|(c, fit)| fit.off <= self.allowed(c, fit));
             if !are_good && self.piece.level < FULL {
                 return None;
             }
-            self.fits.push(fit);
         }
         self.fits.rotate_left(dof);
         let finding = self.examine(are_good)?;
@@ -138,6 +143,16 @@ impl<'a> View<'a> {
         match self.piece.is_short() {
             true => Fit::straight(values),
             false => fit(values, self.piece.level),
+        }
+    }
+
+    /// Adds the fits of a tile.
+    fn fit_all(&mut self, tile: &[[f64; POINTS]]) {
+        let missing = (2 * self.dof()).saturating_sub(self.fits.len());
+        self.fits.reserve_exact(missing);
+        match self.piece.is_short() {
+            true => self.fits.extend(tile.iter().map(Fit::straight)),
+            false => fit_all(tile, self.piece.level, &mut self.fits),
         }
     }
 
@@ -246,33 +261,37 @@ impl<'a> View<'a> {
         let last = self.piece.image(0).stages() - 1;
         let stages: Vec<StageStates<'_>> = (0..last).map(|k| self.stage(k)).collect();
         let after = self.stage(last);
-        let positions = 0..self.dof();
-        let mut tiles: Vec<_> = (stages.iter().map(|of| of.tiles(positions.clone()))).collect();
+        let mut before = vec![Tile::default(); last];
         let mut points = Vec::new();
-        for i in positions {
-            // What rests has none, but for rounding.
-            let moves = |fit: &Fit| fit.range > ROUNDING * self.scales.magnitude[i];
-            let turns = |values: &Values| LOBATTO.turns(values, self.piece.level);
-            let mut add = |fit: &Fit| {
-                if moves(fit) {
-                    points.extend(turning_point(fit));
-                }
-            };
-            for before in tiles.iter_mut().filter_map(Iterator::next) {
-                let nodes: &Values = before.first_chunk().expect("nodes come first");
-                if turns(nodes) {
-                    add(&self.fit(&before));
-                }
-                // A step that is one whole evaluates its force somewhere in between.
-                let between = |k: usize| 0.5 * (nodes[k] + self.fits[i].values[k]);
-                if stages.len() == 1 && turns(&std::array::from_fn(between)) {
-                    let after = after.values(i);
-                    let middle = std::array::from_fn(|k| 0.5 * (before[k] + after[k]));
-                    add(&self.fit(&middle));
-                }
+        for positions in tiles(0..self.dof()) {
+            for (tile, stage) in before.iter_mut().zip(&stages) {
+                stage.read(positions.clone(), tile);
             }
-            if turns(&self.fits[i].values) {
-                add(&self.fits[i]);
+            for (k, i) in positions.enumerate() {
+                // What rests has none, but for rounding.
+                let moves = |fit: &Fit| fit.range > ROUNDING * self.scales.magnitude[i];
+                let turns = |values: &Values| LOBATTO.turns(values, self.piece.level);
+                let mut add = |fit: &Fit| {
+                    if moves(fit) {
+                        points.extend(turning_point(fit));
+                    }
+                };
+                for before in before.iter().map(|tile| &tile[k]) {
+                    let nodes: &Values = before.first_chunk().expect("nodes come first");
+                    if turns(nodes) {
+                        add(&self.fit(before));
+                    }
+                    // A step that is one whole evaluates its force somewhere in between.
+                    let between = |k: usize| 0.5 * (nodes[k] + self.fits[i].values[k]);
+                    if stages.len() == 1 && turns(&std::array::from_fn(between)) {
+                        let after = after.values(i);
+                        let middle = std::array::from_fn(|k| 0.5 * (before[k] + after[k]));
+                        add(&self.fit(&middle));
+                    }
+                }
+                if turns(&self.fits[i].values) {
+                    add(&self.fits[i]);
+                }
             }
         }
         points.sort_by(f64::total_cmp);

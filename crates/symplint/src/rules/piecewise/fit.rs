@@ -45,6 +45,17 @@ impl Fit {
 /// The interpolant of values at the checks and at the nodes of a level.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx2", "x86_64+avx2"))]
 pub(super) fn fit(points: &[f64; POINTS], level: usize) -> Fit {
+    interpolant(points, level)
+}
+
+/// Adds the interpolants of several coordinates.
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx2", "x86_64+avx2"))]
+pub(super) fn fit_all(of_each: &[[f64; POINTS]], level: usize, fits: &mut Vec<Fit>) {
+    fits.extend(of_each.iter().map(|points| interpolant(points, level)));
+}
+
+#[inline(always)] // Into what is compiled for several processors.
+fn interpolant(points: &[f64; POINTS], level: usize) -> Fit {
     let mut values: Values = *points.first_chunk().expect("nodes come first");
     let coefficients = LOBATTO.coefficients(&values, level);
     let interpolated = LOBATTO.interpolate(&values, level);
@@ -72,7 +83,7 @@ pub(super) fn fit(points: &[f64; POINTS], level: usize) -> Fit {
 }
 
 /// Sums of squares of coefficients at the beginning and at the end of the tail.
-#[inline(always)] // Into what is compiled for several processors.
+#[inline(always)]
 pub(super) fn ends_of_tail(coefficients: &Values) -> [f64; 2] {
     [SMOOTH..SMOOTH + 3, DEGREE - 2..DEGREE + 1].map(|range| {
         let part = &coefficients[range];

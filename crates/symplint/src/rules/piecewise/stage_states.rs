@@ -8,8 +8,17 @@ use super::piece::Piece;
 use crate::signal::nearest;
 use crate::state::{Coordinates, period};
 
-/// Coordinates of a state in one cache line.
+/// Coordinates that are read together: a cache line of each state.
 const LINE: usize = 8;
+
+/// The values of some coordinates at all points.
+pub(super) type Tile = [[f64; POINTS]; LINE];
+
+/// The coordinates of each tile.
+pub(super) fn tiles(coordinates: Range<usize>) -> impl Iterator<Item = Range<usize>> {
+    let end = coordinates.end;
+    (coordinates.step_by(LINE)).map(move |first| first..end.min(first + LINE))
+}
 
 /// The states of one stage at all points of a piece that are known.
 pub(super) struct StageStates<'a> {
@@ -31,35 +40,36 @@ impl<'a> StageStates<'a> {
         }
     }
 
-    /// Some coordinates, unwrapped. A cache line of each state is read at once.
-    pub fn tiles(&self, coordinates: Range<usize>) -> impl Iterator<Item = [f64; POINTS]> {
-        let end = coordinates.end;
-        coordinates.step_by(LINE).flat_map(move |first| {
-            let tile = first..end.min(first + LINE);
-            let mut values = [[0.0; POINTS]; LINE];
-            for (k, state) in self.points.iter().enumerate() {
-                if let Some(state) = state {
-                    let of_state = values.iter_mut().zip(&state[tile.clone()]);
-                    of_state.for_each(|(values, value)| values[k] = *value);
-                }
+    /// Reads the coordinates of a tile, unwrapped.
+    pub fn read(&self, coordinates: Range<usize>, tile: &mut Tile) {
+        for (k, state) in self.points.iter().enumerate() {
+            let line = match state {
+                Some(state) => &state[coordinates.clone()],
+                None => &[0.0; LINE][..coordinates.len()],
+            };
+            // Of a known length, the loop is unrolled.
+            match <&[f64; LINE]>::try_from(line) {
+                Ok(line) => (tile.iter_mut().zip(line)).for_each(|(of, value)| of[k] = *value),
+                Err(_) => (tile.iter_mut().zip(line)).for_each(|(of, value)| of[k] = *value),
             }
-            values
-                .into_iter()
-                .zip(tile)
-                .map(|(values, c)| self.unwrapped(values, c))
-        })
+        }
+        for (values, c) in tile.iter_mut().zip(coordinates) {
+            self.unwrap(values, c);
+        }
     }
 
     /// A coordinate, unwrapped.
     pub fn values(&self, c: usize) -> [f64; POINTS] {
         let value = |state: &Option<&[f64]>| state.map_or(0.0, |state| state[c]);
-        self.unwrapped(self.points.each_ref().map(value), c)
+        let mut values = self.points.each_ref().map(value);
+        self.unwrap(&mut values, c);
+        values
     }
 
-    fn unwrapped(&self, mut values: [f64; POINTS], c: usize) -> [f64; POINTS] {
+    fn unwrap(&self, values: &mut [f64; POINTS], c: usize) {
         let period = period(self.coordinates, c);
         if period == 0.0 {
-            return values;
+            return;
         }
         // Periods added so far.
         let (mut last, mut added) = (None, 0.0);
@@ -78,6 +88,5 @@ impl<'a> StageStates<'a> {
         for (k, after) in (NODES..).zip(self.after) {
             values[k] = values[after] + nearest(values[k] - values[after], period);
         }
-        values
     }
 }

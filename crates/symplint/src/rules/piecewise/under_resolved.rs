@@ -43,8 +43,8 @@ struct Stretch<'a> {
 
 /// The polynomial through some samples of a row, at the nodes of a piece over an interval.
 struct Continuation {
-    /// The weight of each sample in the value at each node.
-    basis: [Vec<f64>; NODES],
+    /// For each sample, its weight in the value at each node.
+    weights: Vec<Values>,
 }
 
 impl Continuation {
@@ -53,15 +53,22 @@ impl Continuation {
         let s = at.iter().map(|&k| k as f64 / count as f64).collect();
         let polynomial = Barycentric::at(s);
         let node = |x: f64| polynomial.basis(from + 0.5 * (1.0 + x) * (to - from));
+        let basis: [Vec<f64>; NODES] = LOBATTO.nodes.map(node);
+        let of_sample = |k: usize| basis.each_ref().map(|weights| weights[k]);
         Continuation {
-            basis: LOBATTO.nodes.map(node),
+            weights: (0..at.len()).map(of_sample).collect(),
         }
     }
 
     /// Its values at the nodes.
     fn values(&self, samples: &[f64]) -> Values {
-        let value = |basis: &Vec<f64>| basis.iter().zip(samples).map(|(b, v)| b * v).sum();
-        self.basis.each_ref().map(value)
+        let mut values = Values::default();
+        for (weights, sample) in self.weights.iter().zip(samples) {
+            for (value, weight) in values.iter_mut().zip(weights) {
+                *value += weight * sample;
+            }
+        }
+        values
     }
 }
 
