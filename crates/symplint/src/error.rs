@@ -7,7 +7,13 @@ pub const LOOK_AT_MAP: &str = "look at the map there, or take a smaller loop";
 
 /// ` with h = 0.5`.
 fn with(step_size: Option<f64>) -> String {
-    step_size.map_or(String::new(), |h| format!(" with h = {h:?}"))
+    step_size.map_or(String::new(), |h| format!(" with h = {}", given(h)))
+}
+
+/// A value that was given, with all its digits: `0.1`, `1e300`, and `2` for 2.0.
+fn given(value: f64) -> String {
+    let text = format!("{value:?}");
+    text.strip_suffix(".0").unwrap_or(&text).to_owned()
 }
 
 /// Which state an error is about.
@@ -119,7 +125,7 @@ pub enum Error {
         got: usize,
     },
     /// A period or weight that is not valid.
-    #[error("{what}[{dof}] is {value}; {remedy}")]
+    #[error("{what}[{dof}] is {}; {remedy}", given(*.value))]
     BadCoordinate {
         /// Period or weight.
         what: &'static str,
@@ -148,7 +154,7 @@ pub enum Error {
         half_width: usize,
     },
     /// A quantity is outside the range in which it has a meaning.
-    #[error("{what} is {value:?}; {remedy}")]
+    #[error("{what} is {}; {remedy}", given(*.value))]
     OutOfRange {
         /// Which quantity.
         what: &'static str,
@@ -178,7 +184,7 @@ pub enum Error {
     /// A state that is not finite.
     #[error(
         "{coordinate}[{dof}] is {value} at {at}{}; {remedy}",
-        .step_size.map_or(String::new(), |h| format!(" after a step of h = {h:?}"))
+        .step_size.map_or(String::new(), |h| format!(" after a step of h = {}", given(h)))
     )]
     NotFinite {
         /// `q` or `p`.
@@ -271,8 +277,9 @@ pub enum Error {
     },
     /// A stated period is not one of the map.
     #[error(
-        "{period:?} is not a period of {coordinate}[{dof}]: after the step, two states that differ by it are {difference:.1e} further \
-         apart; correct the period, or leave it out"
+        "{} is not a period of {coordinate}[{dof}]: after the step, two states that differ by it are {difference:.1e} further \
+         apart; correct the period, or leave it out",
+        given(*.period)
     )]
     NotAPeriod {
         /// `'q'` or `'p'`.
@@ -286,8 +293,9 @@ pub enum Error {
     },
     /// A stated period is not one of a force or a vector field.
     #[error(
-        "{period:?} is not a period of the force in q[{dof}]: at two positions that differ by it, the work over the radius of a \
-         loop differs by {difference:.1e}; correct the period, or leave it out"
+        "{} is not a period of the force in q[{dof}]: at two positions that differ by it, the work over the radius of a \
+         loop differs by {difference:.1e}; correct the period, or leave it out",
+        given(*.period)
     )]
     NotAPeriodOfForce {
         /// Degree of freedom.
@@ -371,7 +379,7 @@ pub enum Error {
         after: (usize, usize),
     },
     /// Two loops are said to be made by steps of one size.
-    #[error("h = {step_size:?} is stated for two loops; give one for each step size")]
+    #[error("h = {} is stated for two loops; give one for each step size", given(*.step_size))]
     RepeatedStep {
         /// The step size.
         step_size: f64,

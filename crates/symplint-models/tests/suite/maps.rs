@@ -209,7 +209,7 @@ fn combinations_without_meaning_are_refused() {
     let error = Repeat::new(pendulum(), 0).map(|_| ()).unwrap_err();
     assert_eq!(
         error.to_string(),
-        "number of repetitions is 0.0; give 1 or more"
+        "number of repetitions is 0; give 1 or more"
     );
 }
 

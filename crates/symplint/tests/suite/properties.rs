@@ -341,14 +341,14 @@ fn signs_of_a_reversal_are_checked_and_used() {
     let error = with(vec![1.0, -1.0]).run(&map, &circle).unwrap_err();
     assert_eq!(
         error.to_string(),
-        "number of signs of the reversal is 2.0; give 1 or -1 for each position, then for each momentum"
+        "number of signs of the reversal is 2; give 1 or -1 for each position, then for each momentum"
     );
     let error = with(vec![1.0, -1.0, 0.0, 1.0])
         .run(&map, &circle)
         .unwrap_err();
     assert_eq!(
         error.to_string(),
-        "a sign of the reversal is 0.0; give 1 or -1"
+        "a sign of the reversal is 0; give 1 or -1"
     );
     let none = with(vec![1.0; 4]).run(&map, &circle).unwrap().verdict;
     assert_eq!(holds(&none, PropertyName::Reversible), Some(false));
