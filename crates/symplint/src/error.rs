@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use crate::text::{given, two_digits};
+
 /// The remedy of [`Error::NotFinite`] for a state that a map without a step size returned.
 pub const LOOK_AT_MAP: &str = "look at the map there, or take a smaller loop";
 
@@ -10,10 +12,18 @@ fn with(step_size: Option<f64>) -> String {
     step_size.map_or(String::new(), |h| format!(" with h = {}", given(h)))
 }
 
-/// A value that was given, with all its digits: `0.1`, `1e300`, and `2` for 2.0.
-fn given(value: f64) -> String {
-    let text = format!("{value:?}");
-    text.strip_suffix(".0").unwrap_or(&text).to_owned()
+/// How small the area of a loop is, and what helps.
+fn without_area(integral: f64, scale: f64) -> String {
+    if scale == 0.0 {
+        return " in double precision; take a larger loop, or a centre nearer to the origin"
+            .to_owned();
+    }
+    format!(
+        ": its loop integral is {} where its size would allow {}; take a loop whose areas do not cancel, such as a circle whose radii \
+         differ, another radius, or a centre nearer to the origin",
+        two_digits(integral),
+        two_digits(scale)
+    )
 }
 
 /// Which state an error is about.
@@ -277,9 +287,10 @@ pub enum Error {
     },
     /// A stated period is not one of the map.
     #[error(
-        "{} is not a period of {coordinate}[{dof}]: after the step, two states that differ by it are {difference:.1e} further \
-         apart; correct the period, or leave it out",
-        given(*.period)
+        "{} is not a period of {coordinate}[{dof}]: after the step, two states that differ by it are {} further apart; correct \
+         the period, or leave it out",
+        given(*.period),
+        two_digits(*.difference)
     )]
     NotAPeriod {
         /// `'q'` or `'p'`.
@@ -294,8 +305,9 @@ pub enum Error {
     /// A stated period is not one of a force or a vector field.
     #[error(
         "{} is not a period of the force in q[{dof}]: at two positions that differ by it, the work over the radius of a \
-         loop differs by {difference:.1e}; correct the period, or leave it out",
-        given(*.period)
+         loop differs by {}; correct the period, or leave it out",
+        given(*.period),
+        two_digits(*.difference)
     )]
     NotAPeriodOfForce {
         /// Degree of freedom.
@@ -307,8 +319,10 @@ pub enum Error {
     },
     /// The loop is smaller than the rounding of its states.
     #[error(
-        "the loop is too small for double precision at its distance from the origin: its loop integral is {integral:e}, of which double \
-         precision leaves {roundoff:.1e} uncertain; take a larger loop, or coordinates in which it is nearer to the origin"
+        "the loop is too small for double precision at its distance from the origin: its loop integral is {}, of which double \
+         precision leaves {} uncertain; take a larger loop, or coordinates in which it is nearer to the origin",
+        two_digits(*.integral),
+        two_digits(*.roundoff)
     )]
     LostInRounding {
         /// The loop integral.
@@ -353,11 +367,7 @@ pub enum Error {
         dof: usize,
     },
     /// The loop integral of the initial loop vanishes, so a relative defect has no meaning.
-    #[error(
-        "the initial loop encloses no area: its loop integral is {integral:e} where its size would \
-         allow {scale:e}; take a loop whose areas do not cancel, such as a circle \
-         whose radii differ, another radius, or a centre nearer to the origin"
-    )]
+    #[error("the initial loop encloses no area{}", without_area(*.integral, *.scale))]
     NoArea {
         /// The loop integral.
         integral: f64,

@@ -98,6 +98,12 @@ pub(crate) fn power_of_h(order: f64) -> String {
     format!("h{}", raised.collect::<String>())
 }
 
+/// A value that was given, with all its digits: `0.1`, `1e300`, and `2` for 2.0.
+pub(crate) fn given(value: f64) -> String {
+    let text = format!("{value:?}");
+    text.strip_suffix(".0").unwrap_or(&text).to_owned()
+}
+
 /// Two digits, and no exponent where none is needed.
 pub(crate) fn short(value: f64) -> String {
     match value.abs() {

@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 
 /// The modules of this crate, from the ground up: each may import from those before it.
 const MODULES: [&str; 17] = [
-    "error",
     "text",
+    "error",
     "signal",
     "state",
     "loops",

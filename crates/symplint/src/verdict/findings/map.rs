@@ -9,7 +9,7 @@ use crate::evidence::{
     Motion, OutputFormat, OutputPrecision, Reach, Scatter, ScatterKind, WrongPeriod,
     defect_of_order_4,
 };
-use crate::text::{capitalised, one_digit, short, size};
+use crate::text::{capitalised, given, one_digit, short, size, two_digits};
 
 /// The action of the map on states, apart from loop integrals.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -73,9 +73,12 @@ impl Display for MapFinding {
             ),
             MapFinding::WrongPeriod(wrong) => write!(
                 f,
-                "{:?} is not a period of {}[{}]: after the step, two states that differ by it are {:.1e} further apart. No random loop \
+                "{} is not a period of {}[{}]: after the step, two states that differ by it are {} further apart. No random loop \
                  winds around it. Correct the period, or leave it out.",
-                wrong.period, wrong.coordinate, wrong.dof, wrong.difference
+                given(wrong.period),
+                wrong.coordinate,
+                wrong.dof,
+                two_digits(wrong.difference)
             ),
             MapFinding::Regularity { exponent, step } => {
                 write!(
