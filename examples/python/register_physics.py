@@ -383,21 +383,6 @@ def cpymad(element):
     )  # fmt: skip
 
 
-def impactx(element):
-    import impactx as package
-
-    simulation = package.ImpactX()
-    simulation.particle_shape, simulation.diagnostics, simulation.verbose = 2, False, 0
-    simulation.init_grids()
-    beam = getattr(simulation, "beam", None)
-    # Before ImpactX 26.04, the beam is a method.
-    reference = beam.ref if beam is not None else simulation.particle_container().ref_particle()
-    reference.set_charge_qe(1.0).set_mass_MeV(938.272).set_kin_energy_MeV(2e3)
-    k = {"CFbend-focusing": 0.3, "CFbend-defocusing": -0.3}[element]
-    simulation.lattice.append(package.elements.CFbend(ds=1.0, rc=5.0, k=k))
-    return symplint.check(symplint.adapters.impactx(simulation))
-
-
 SPLITTING = "symplectic: kicks and drifts"
 LINEAR = "symplectic: the exact map of a linear element"
 RUNGE_KUTTA = "not symplectic: explicit Runge–Kutta"
@@ -429,8 +414,4 @@ ENTRIES = {
     ],
     "pyretis": [(pyretis, {"VelocityVerlet": SPLITTING})],
     "cpymad": [(cpymad, {"quadrupole": LINEAR})],
-    # Not from pip: from conda-forge, or from source.
-    "impactx": [
-        (impactx, {"CFbend-focusing": "not symplectic: an error of this release in t", "CFbend-defocusing": LINEAR})
-    ],
 }  # fmt: skip

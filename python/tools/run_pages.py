@@ -3,6 +3,7 @@
     python python/tools/run_pages.py                 all pages: report every difference
     python python/tools/run_pages.py --write         replace outputs that differ
     python python/tools/run_pages.py docs/faq.md     one page
+    python python/tools/run_pages.py --benches docs/performance.md
 
 Each page runs from its beginning in an empty folder, which has a link `examples` to the examples of the repository.
 
@@ -21,8 +22,10 @@ Words after the language of a block are settings. GitHub and mdBook do not show 
     as=COMMAND      run this command instead, which has the same effect here
     picture=A:B,…   the block writes a picture A, which the page shows as B
     run=no          do not run the block; another step of .ci/run runs the same command
+    run=benches     with the option --benches, run the block in the root of the repository; otherwise leave it
     head=N          of a block of text: the first N lines of the output, then a line with "…"
     grep=TEXT       of a block of text: the lines of the output that contain TEXT, in upper or lower case
+    within=F        of a block of text: numbers are measured; they may differ from the page by this factor, or by any (inf)
 
 The program is target/release/symplint, or the program that the variable SYMPLINT names.
 """
@@ -102,6 +105,8 @@ def is_missing(need: str) -> bool:
 
 #: Whether pages are written.
 WRITE = False
+#: Whether blocks with run=benches run.
+BENCHES = False
 
 NUMBER = re.compile(r"[+-]?\d+(?:[.,]\d+)*(?:e[+-]?\d+)?(?: digits)?")
 #: Changes below this are rounding errors.
@@ -133,6 +138,23 @@ def comparable(text: str) -> str:
             line = NUMBER.sub("0", line)
         lines.append(NUMBER.sub(kept, line))
     return " ".join(" ".join(lines).split())
+
+
+def agree(new: str, old: str, factor: float) -> bool:
+    """Whether two tables agree. Two spaces separate columns. The first column is the same, and numbers of the others differ by this factor."""
+    tables = [[re.split(r"\s{2,}", line.strip()) for line in text.strip().splitlines()] for text in (new, old)]
+    if [len(line) for line in tables[0]] != [len(line) for line in tables[1]]:
+        return False
+    pairs = ((column, a, b) for lines in zip(*tables, strict=True) for column, (a, b) in enumerate(zip(*lines, strict=True)))
+    return all(a == b or (column > 0 and near(a, b, factor)) for column, a, b in pairs)
+
+
+def near(a: str, b: str, factor: float) -> bool:
+    """Whether two texts have the same words, and numbers that differ by this factor at most."""
+    numbers = ([float(word.replace(",", "")) for word in NUMBER.findall(text)] for text in (a, b))
+    return NUMBER.sub("", a) == NUMBER.sub("", b) and all(
+        x == y or (x * y > 0 and 1 / factor <= x / y <= factor) for x, y in zip(*numbers, strict=True)
+    )
 
 
 class Page:
@@ -174,8 +196,11 @@ class Page:
             language, settings = settings_of(match["info"])
             fence = match["fence"]
             body = self.block(language, settings, match["body"])
-            if body is not None and language == "text" and comparable(body) == comparable(match["body"]):
-                body = None
+            if body is not None and language == "text":
+                within = settings.get("within")
+                measured = within and not WRITE and agree(body, match["body"], float(within))
+                if measured or comparable(body) == comparable(match["body"]):
+                    body = None
             return whole if body is None else f"{fence}{match['info']}\n{body}{fence}"
         except PageError as error:
             line = match.string.count("\n", 0, match.start()) + 1
@@ -199,15 +224,18 @@ class Page:
             path.parent.mkdir(parents=True, exist_ok=True)
             path.write_text(body, encoding="utf-8")
             return None
-        if settings.get("run") == "no":
+        is_bench = settings.get("run") == "benches"
+        if settings.get("run") == "no" or (is_bench and not BENCHES):
             return None
+        folder = REPOSITORY if is_bench else self.folder
         if language == "sh":
-            self.output = self.shell(settings.get("as", body), int(settings.get("exit", "0")))
+            self.output = self.shell(settings.get("as", body), int(settings.get("exit", "0")), folder)
         elif language == "python":
             self.output = self.python(body)
         if picture := settings.get("picture"):
             for pair in picture.split(","):
-                self.picture(*pair.split(":"), compare=language == "sh")
+                new, old = pair.split(":")
+                self.picture(folder / new, old, compare=language == "sh" and not is_bench)
         return None
 
     def skips(self, needs: str | None, first: str) -> bool:
@@ -231,10 +259,10 @@ class Page:
             raise PageError("the block before has no output")
         return "\n".join(lines) + "\n"
 
-    def shell(self, script: str, expected: int) -> str:
-        """Run commands and return their standard output."""
+    def shell(self, script: str, expected: int, folder: Path | None = None) -> str:
+        """Run commands in this folder, or the page's, and return their standard output."""
         done = subprocess.run(
-            ["bash", "-e", "-o", "pipefail", "-c", script], cwd=self.folder, env=self.environment(), capture_output=True, text=True, stdin=subprocess.DEVNULL
+            ["bash", "-e", "-o", "pipefail", "-c", script], cwd=folder or self.folder, env=self.environment(), capture_output=True, text=True, stdin=subprocess.DEVNULL
         )
         if done.returncode != expected:
             raise PageError(f"exit status {done.returncode} instead of {expected}: {script.strip()}\n{done.stdout[-2000:]}{done.stderr[-2000:]}")
@@ -254,23 +282,23 @@ class Page:
             os.chdir(here)
         return stream.getvalue()
 
-    def picture(self, written: str, shown: str, compare: bool) -> None:
+    def picture(self, new: Path, shown: str, compare: bool) -> None:
         """Compare a picture with its copy in the book, or copy it."""
-        new, old = self.folder / written, (REPOSITORY / self.name).parent / shown
+        old = (REPOSITORY / self.name).parent / shown
         if not new.exists():
-            raise PageError(f"the picture {written} was not written")
+            raise PageError(f"the picture {new.name} was not written")
         if not old.exists() or (compare and new.read_bytes() != old.read_bytes()):
             if not WRITE:
-                raise PageError(f"the picture {shown} differs from {written}")
+                raise PageError(f"the picture {shown} differs from {new.name}")
         if WRITE:
             old.parent.mkdir(parents=True, exist_ok=True)
             shutil.copyfile(new, old)
 
 
-def run(name: str, program: str, write: bool) -> Result:
+def run(name: str, program: str, write: bool, benches: bool) -> Result:
     """Run one page."""
-    global WRITE
-    WRITE = write
+    global WRITE, BENCHES
+    WRITE, BENCHES = write, benches
     os.environ.setdefault("MPLBACKEND", "Agg")
     os.environ["COLUMNS"] = "100"
     start = time.monotonic()
@@ -299,6 +327,7 @@ def main() -> None:
     parser.add_argument("pages", nargs="*", help="pages, relative to the repository; all by default")
     parser.add_argument("--write", action="store_true", help="replace outputs that differ")
     parser.add_argument("--strict", action="store_true", help="a program or module that is missing is an error")
+    parser.add_argument("--benches", action="store_true", help="run the blocks that measure times, too")
     parser.add_argument("--workers", type=int, default=os.cpu_count(), help="pages at a time")
     parser.add_argument("--times", action="store_true", help="print the time of each page")
     options = parser.parse_args()
@@ -313,7 +342,7 @@ def main() -> None:
     pages.sort(key=lambda name: "symplint reproduce" not in (REPOSITORY / name).read_text(encoding="utf-8"))
     context = multiprocessing.get_context("spawn")
     with concurrent.futures.ProcessPoolExecutor(options.workers, mp_context=context, max_tasks_per_child=1) as pool:
-        tasks = [pool.submit(run, name, str(program), options.write) for name in pages]
+        tasks = [pool.submit(run, name, str(program), options.write, options.benches) for name in pages]
         results = [task.result() for task in tasks]
     for result in results:
         if options.times:

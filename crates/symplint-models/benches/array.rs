@@ -40,18 +40,18 @@ fn main() {
         let step = || advance(pool);
         report(name, STATES, STATES, step, || stream(pool, &mut q, &mut p));
     };
-    measure("step, streaming; 1 thread", &one);
-    measure("step, streaming; 2 threads", &two);
+    measure("step, 1 thread | streaming", &one);
+    measure("step, 2 threads | streaming", &two);
     let mut again = self::ensemble();
     report(
-        "step, 2 threads; 1 thread",
+        "step, 2 threads | 1 thread",
         STATES,
         STATES,
         || advance(&two),
         || one.install(|| again.advance(&step, H).unwrap()),
     );
     report(
-        "step, plain scalar; 1 thread",
+        "step, 1 thread | plain scalar",
         STATES,
         STATES,
         || advance(&one),

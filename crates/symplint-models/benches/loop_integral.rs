@@ -33,9 +33,8 @@ fn main() {
             ("pseudospectral", Rule::Pseudospectral),
         ] {
             for pool in &pools {
-                let threads = pool.current_num_threads();
                 report(
-                    &format!("{name}, {threads} threads | reading"),
+                    &format!("{name}, {} | reading", number(pool)),
                     rows,
                     rows,
                     || integrate(pool, &ensemble, &rule),
@@ -109,6 +108,15 @@ fn pool(threads: usize) -> ThreadPool {
         .unwrap()
 }
 
+/// The threads of a pool, as a name has them.
+fn number(pool: &ThreadPool) -> &'static str {
+    if pool.current_num_threads() == 1 {
+        "1 thread"
+    } else {
+        "2 threads"
+    }
+}
+
 /// Unit circles with different phases. Angles stay below one turn: the rounding of larger ones is noise that loops do not have.
 fn circles(dof: usize, samples: usize) -> Ensemble {
     let mut ensemble = Ensemble::zeros(dof, samples);
@@ -170,8 +178,7 @@ fn beside_numpy(pools: &[ThreadPool], ensemble: &Ensemble) {
         ("pseudospectral", Rule::Pseudospectral),
     ] {
         for pool in pools {
-            let threads = pool.current_num_threads();
-            let name = format!("{of}, {threads} threads | numpy");
+            let name = format!("{of}, {} | numpy", number(pool));
             if !wanted(&name) {
                 continue;
             }

@@ -105,20 +105,15 @@ fn measure_all(folder: &Path) {
                 bytes,
             } = point;
             println!(
-                "{size:>9}{:>14.3} µs{:>12.0} KiB",
+                "{size:>9}{:>14.1} µs{:>12.0} KiB",
                 nanoseconds / 1e3,
                 bytes / 1024.0
             );
             table += &format!("{},{size},{nanoseconds},{bytes}\n", case.name);
         }
-        let time = |point: &Point| {
-            (
-                point.size as f64,
-                point.nanoseconds / (case.cost)(point.size as f64),
-            )
-        };
+        let time = |point: &Point| (point.size as f64, point.nanoseconds);
         println!(
-            "  time goes as expected times size^({:+.3}), over the last two decades {:+.3}; memory grows by {:.0} bytes each\n",
+            "time grows as the power{:>10.2}\nover the last two decades{:>9.2}\nmemory for each{:>19.0} bytes\n",
             slope(points.iter().map(time)),
             slope(last_decades(&points).map(time)),
             bytes_each(&points),
@@ -128,7 +123,7 @@ fn measure_all(folder: &Path) {
     std::fs::create_dir_all(folder).unwrap();
     std::fs::write(folder.join("scaling.csv"), table).unwrap();
     draw(&cases).save(folder, "scaling").unwrap();
-    println!(
+    eprintln!(
         "scaling.csv, scaling.svg and scaling.png are in {}",
         folder.display()
     );

@@ -1,8 +1,8 @@
-"""Counts the instructions of every kernel of instructions.rs and writes docs/instruction-counts.txt.
+"""Prints the number of instructions of each kernel of instructions.rs, counted under valgrind.
 
     python3 crates/symplint-plasma/benches/instructions.py
 
-Needs valgrind. A kernel runs twice and six times; a quarter of the difference is one run, without
+A kernel runs twice and six times; a quarter of the difference is one run, without
 what it takes to start. Counts have three digits: fewer than what varies from run to run.
 """
 
@@ -17,7 +17,7 @@ FEW, MANY = 2, 6
 
 
 def executable():
-    build = "cargo bench --locked -p symplint-plasma --bench instructions --no-run --message-format=json"
+    build = "cargo bench --profile release --locked -p symplint-plasma --bench instructions --no-run --message-format=json"
     messages = subprocess.run(build.split(), cwd=ROOT, check=True, capture_output=True, text=True)
     found = [json.loads(line).get("executable") for line in messages.stdout.splitlines()]
     return next(path for path in found if path)
@@ -35,19 +35,11 @@ def instructions(program, kernel, times):
 def main():
     program = executable()
     kernels = subprocess.run([program], check=True, capture_output=True, text=True).stdout
-    rustc = subprocess.run(["rustc", "--version"], check=True, capture_output=True, text=True).stdout
-    lines = [
-        "Instructions of each kernel, counted under valgrind (x86-64 with AVX2), one thread.",
-        f"Renewed by crates/symplint-plasma/benches/instructions.py. {' '.join(rustc.split()[:2])}.",
-        "",
-    ]
     for kernel in kernels.splitlines():
         name, units, unit = kernel.split("\t")
         count = instructions(program, name, MANY) - instructions(program, name, FEW)
         each = count / (MANY - FEW) / int(units)
-        lines.append(f"{name:<36}{float(f'{each:.3g}'):>12,.10g}  for each {unit}")
-        print(lines[-1], flush=True)
-    (ROOT / "docs" / "instruction-counts.txt").write_text("\n".join(lines) + "\n", encoding="utf-8")
+        print(f"{name:<36}{float(f'{each:.3g}'):>12,.10g}  for each {unit}", flush=True)
 
 
 if __name__ == "__main__":

@@ -46,22 +46,8 @@ def impactx(simulation: Any) -> AdaptedStep:
     -----
     Set up once: copies of the elements, and the reference particle at the entrance of each element. For each call: new particles, all
     states at once, and this reference particle. Each element advances them slice by slice; monitors are left out. Programmable elements
-    with a memory depend on earlier calls. ImpactX is installed from conda-forge or from source.
-
-    Examples
-    --------
-    >>> import symplint
-    >>> from impactx import ImpactX, elements
-    >>> simulation = ImpactX()
-    >>> simulation.particle_shape, simulation.diagnostics, simulation.verbose = 2, False, 0
-    >>> simulation.init_grids()
-    >>> reference = simulation.particle_container().ref_particle()  # Since ImpactX 26.04: simulation.beam.ref
-    >>> reference = reference.set_charge_qe(1.0).set_mass_MeV(938.272).set_kin_energy_MeV(2e3)
-    >>> focusing, defocusing = elements.ChrQuad(ds=0.5, k=0.6), elements.ChrQuad(ds=0.5, k=-0.6)
-    >>> lattice = simulation.lattice.extend([focusing, elements.ExactDrift(ds=2.0), defocusing])
-    >>> symplint.check(symplint.adapters.impactx(simulation), loops=2).kind
-    'symplectic'
-    >>> simulation.finalize()
+    with a memory depend on earlier calls. ImpactX is installed from conda-forge or from source. ``examples/python/impactx_cfbend.py``
+    tests a lattice.
     """
     if not hasattr(simulation, "lattice") or not hasattr(simulation, "init_grids"):
         raise InputError(f"simulation is an object of type {type(simulation).__name__}; give an impactx.ImpactX")

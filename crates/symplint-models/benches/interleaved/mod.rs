@@ -4,15 +4,8 @@
 
 use std::time::{Duration, Instant};
 
-/// Each case runs this often, in turn with its control, unless `BENCH_ROUNDS` states another number; the medians are printed.
-const ROUNDS: usize = 51;
-
-fn rounds() -> usize {
-    let stated = std::env::var("BENCH_ROUNDS").ok();
-    stated.map_or(ROUNDS, |rounds| {
-        rounds.parse().expect("BENCH_ROUNDS is a number")
-    })
-}
+/// Each case runs this often, in turn with its control; the medians are printed.
+const ROUNDS: usize = 11;
 
 /// Long enough for the clock, and for the waking of a second core, about half a millisecond here, to count
 /// little; short enough for a round of two to see the same machine.
@@ -20,7 +13,7 @@ const SLICE: Duration = Duration::from_millis(15);
 
 /// Prints what the columns of [`report`] are.
 pub fn heading(what: &str) {
-    println!("{what}; ns, medians of {} interleaved rounds", rounds());
+    println!("{what}; ns, medians of {ROUNDS} interleaved rounds");
     println!(
         "{:<42}{:>10}{:>10}{:>8}",
         "", "symplint", "control", "ratio"
@@ -39,7 +32,7 @@ pub fn report(
         return;
     }
     let (mut times, mut control_times) = (Vec::new(), Vec::new());
-    for _ in 0..rounds() {
+    for _ in 0..ROUNDS {
         times.push(nanoseconds(&mut work) / units);
         control_times.push(nanoseconds(&mut control) / control_units);
     }
@@ -49,7 +42,7 @@ pub fn report(
 /// As [`report`], compared with a time that was measured elsewhere.
 #[allow(dead_code, reason = "not every bench has one")]
 pub fn compare(name: &str, units: f64, mut work: impl FnMut(), control: f64) {
-    let times = (0..rounds()).map(|_| nanoseconds(&mut work) / units);
+    let times = (0..ROUNDS).map(|_| nanoseconds(&mut work) / units);
     print_ratio(name, median(times.collect()), control);
 }
 
