@@ -300,6 +300,18 @@ MEANINGS = {
     "points[].regularity": "the exponent r if the loop is in H^r: the decay of its Fourier coefficients",
     "points[].evaluations": "evaluations of this point",
 }
+CHECKS = {
+    "memory": "does the result depend on earlier calls or on random numbers?",
+    "given_loop": "your loop, at all step sizes",
+    "random_loops": "random loops, at the largest step size",
+    "jacobian": "MᵀJM = J at a few states",
+    "constraint": "does the map move states onto a manifold?",
+    "contraction": "can the loop be contracted in the domain of the map?",
+    "localisation": "which substep, and which part of the loop?",
+    "structure": "volume, time reversal, energy and the other properties",
+}
+
+
 def report() -> Iterator[str]:
     """The keys of a report, from a run."""
     found = json.loads(run("check", "pendulum", "--set", "integrator.name=rk2", "--json"))
@@ -309,7 +321,7 @@ def report() -> Iterator[str]:
         if path in MEANINGS:
             rows.append([f"`{path}`", type_, MEANINGS[path]])
         elif path.startswith("evaluations.by_check."):
-            rows.append([f"`{path}`", type_, "evaluations of this check"])
+            rows.append([f"`{path}`", type_, f"evaluations of a check: {CHECKS[path.split('.')[2]]}"])
         elif path.startswith("verdict.findings[]."):
             continue
         elif top in ("points", "verdict", "evaluations"):

@@ -309,6 +309,9 @@ def run(name: str, program: str, write: bool, benches: bool) -> Result:
         (Path(scratch) / "bin").mkdir()
         (Path(scratch) / "bin/symplint").symlink_to(program)
         (folder / "examples").symlink_to(REPOSITORY / "examples")
+        # Figures of matplotlib have the same bytes in each run.
+        (Path(scratch) / "matplotlibrc").write_text("svg.hashsalt: symplint\n", encoding="utf-8")
+        os.environ |= {"MATPLOTLIBRC": scratch, "SOURCE_DATE_EPOCH": "0"}
         page = Page(name, folder)
         new = BLOCK.sub(page.replaced, text)
         if prefix.cache_info().currsize and prefix():

@@ -386,7 +386,7 @@ extern "C" {
  * symplectic or break a loop.
  *
  * If the step fails at a step size, the report names this step size, and the diagnosis continues with the others. If it fails at all
- * step sizes, the status is SYMPLINT_STATUS_STEP_FAILED.
+ * step sizes, or at the largest and the smallest one, the status is SYMPLINT_STATUS_STEP_FAILED.
  *
  * # Safety
  * `step` does what its type says, arrays that are not null have as many values as this says, and texts end with a zero.
@@ -401,7 +401,8 @@ SymplintStatus symplint_check(SymplintStep step,
 
 /**
  * Tests whether the force F(q) is a gradient: whether ∮F·dq = 0 around random loops. Also measures λ, the antisymmetric part of the
- * Jacobian of F relative to the Jacobian. The number of evaluations does not depend on `dof`.
+ * Jacobian of F relative to the Jacobian. The number of evaluations does not depend on `dof`, unless a curl is
+ * found.
  *
  * q0 has `dof` values, and is the centre of the loops. `options` is NULL for the defaults. `force` gets `user` unchanged. On success,
  * `*report` is a report, which the caller frees by `symplint_field_report_free`. Otherwise it is NULL. If the force fails or is not

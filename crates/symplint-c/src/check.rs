@@ -17,7 +17,7 @@ use crate::status::{Failure, SymplintStatus, guarded};
 /// symplectic or break a loop.
 ///
 /// If the step fails at a step size, the report names this step size, and the diagnosis continues with the others. If it fails at all
-/// step sizes, the status is SYMPLINT_STATUS_STEP_FAILED.
+/// step sizes, or at the largest and the smallest one, the status is SYMPLINT_STATUS_STEP_FAILED.
 ///
 /// # Safety
 /// `step` does what its type says, arrays that are not null have as many values as this says, and texts end with a zero.

@@ -42,7 +42,8 @@ pub type SymplintField = Option<
 >;
 
 /// Tests whether the force F(q) is a gradient: whether ∮F·dq = 0 around random loops. Also measures λ, the antisymmetric part of the
-/// Jacobian of F relative to the Jacobian. The number of evaluations does not depend on `dof`.
+/// Jacobian of F relative to the Jacobian. The number of evaluations does not depend on `dof`, unless a curl is
+/// found.
 ///
 /// q0 has `dof` values, and is the centre of the loops. `options` is NULL for the defaults. `force` gets `user` unchanged. On success,
 /// `*report` is a report, which the caller frees by `symplint_field_report_free`. Otherwise it is NULL. If the force fails or is not

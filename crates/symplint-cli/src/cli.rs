@@ -311,9 +311,9 @@ pub struct ReproduceArgs {
     /// Only list the items and their cost
     #[arg(long, conflicts_with_all = ["ids", "set", "out", "force", "json", "quiet"])]
     pub list: bool,
-    /// Changes of the settings of one item.
-    #[command(flatten)]
-    pub settings: Settings,
+    /// Change a setting of one item, such as strang=momentum-first of fig7 (repeatable)
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub set: Vec<String>,
     /// Folder for figures, data and claims
     #[arg(long, value_name = "DIR", default_value = "symplint-paper")]
     pub out: PathBuf,

@@ -20,7 +20,7 @@ pub fn reproduce(arguments: &ReproduceArgs) -> Result<Status, Failure> {
     }
     let started = provenance::start();
     let items = chosen(&arguments.ids)?;
-    let set = &arguments.settings.set;
+    let set = &arguments.set;
     if !set.is_empty() && items.len() != 1 {
         return Err(Failure::Usage {
             message: "--set changes the settings of one item".into(),

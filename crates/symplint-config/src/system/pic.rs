@@ -60,7 +60,11 @@ const fn keys(cells: &'static str) -> [Key; 15] {
         Key::new("particles", "2", "number of particles"),
         density,
         weights,
-        Key::new("filter", "0", "number of passes of the binary filter"),
+        Key::new(
+            "filter",
+            "0",
+            "number of passes of the binomial filter (1/4, 1/2, 1/4), which the paper calls binary",
+        ),
         initial,
         thermal,
         velocities,
@@ -76,7 +80,7 @@ const PARTICLE_KEYS: [Key; 9] = [
     Key::new(
         "density",
         "1.0",
-        "mean density; each particle has the weight density × length^D / particles",
+        "mean density; each particle has the weight density × length^D / particles, in D dimensions",
     ),
     Key::optional(
         "weights",

@@ -19,7 +19,7 @@ pub const PIC_1D2V: SystemInfo = SystemInfo {
         Key::new(
             "degree",
             "3",
-            "degree of the B-splines of V0, 1 to 5; forces are discontinuous for 1",
+            "degree of the B-splines of the potential, 1 to 5; forces are discontinuous for 1",
         ),
         Key::new(
             "fields",

@@ -100,7 +100,7 @@ impl RuleKind {
         match self {
             RuleKind::Auto => {
                 "The default: pseudospectral; piecewise if the advanced loop is broken or has kinks; streaming if an ensemble does not fit \
-                 into memory."
+                 into memory. For files whose loops jump: finite-difference, without the jumps."
             }
             RuleKind::Pseudospectral => {
                 "Differentiates q by Fourier transform (paper, section 2.3 and appendix A). Exact to rounding error on smooth loops. \

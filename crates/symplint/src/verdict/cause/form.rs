@@ -165,15 +165,18 @@ impl Clues<'_> {
         form.exists.filter(|exists| !exists)?;
         let (what, family) = match form.all_constant {
             true if form.with_fields => (
-                "masses, signs, pairs or magnetic field of at most degree 2",
+                "masses, signs, pairs (q[i], p[j]) or magnetic field of at most degree 2",
                 "two-form with such a field",
             ),
-            true => ("masses, signs, pairs or uniform field", "constant two-form"),
+            true => (
+                "masses, signs, pairs (q[i], p[j]) or uniform magnetic field",
+                "constant two-form",
+            ),
             false => ("masses or signs", "form Σ c dq∧dp with constant weights c"),
         };
         let nearest = match form.change {
             Some(change) => format!(
-                "the nearest {family} changes by {} of its largest entry",
+                "the {family} that is conserved best changes by {} of its largest entry",
                 two_digits(change)
             ),
             None => "the forms Σ c dq∧dp that do not change have a weight c of 0, as if a coordinate acts on others that do not act on it"

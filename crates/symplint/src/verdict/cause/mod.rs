@@ -150,9 +150,9 @@ impl Clues<'_> {
         if matches!(cause.kind, CauseKind::Wall | CauseKind::ForceJump)
             && jacobian.is_some_and(JacobianEvidence::shows_defect)
         {
-            cause.text += " The step also changes areas beside the jump, as its Jacobian shows.";
+            cause.text += " The step also changes areas next to the jump, as its Jacobian shows.";
             cause.remedy = format!(
-                "First look beside the jump for what changes areas there: friction, a reflection that changes |p|, a method that is not \
+                "First find what changes areas next to the jump: friction, a reflection that changes |p|, a method that is not \
                  symplectic. {}",
                 cause.remedy
             );

@@ -193,10 +193,10 @@ fn slope(fit: &Fit, between_breaks: bool) -> String {
         false => loop_name(fit.loop_index),
     };
     let constant = fit.constant.map_or(String::new(), |constant| {
-        format!(" and a constant part of {constant:+.1e}")
+        format!(", next to a constant part of {constant:+.1e}")
     });
     format!(
-        "The change of {what} is proportional to h^({:.2} ± {:.2}){constant} for h from {} to {}.",
+        "The leading power of h in the change of {what} is {:.2} ± {:.2}{constant}, for h from {} to {}.",
         fit.slope,
         fit.uncertainty,
         size(fit.from),

@@ -342,7 +342,7 @@ fn periods_of_q_and_p_are_named_together() {
 #[test]
 fn a_wall_that_takes_momentum_is_no_wall_alone() {
     for (kept, remedy) in [
-        (0.9, "First look beside the jump"),
+        (0.9, "First find what changes areas next to the jump"),
         (1.0, "Move the loop away"),
     ] {
         let map = PerSample::new(1, move |h, q, p| {
