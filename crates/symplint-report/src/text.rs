@@ -303,7 +303,13 @@ mod tests {
                     "Strictness The largest step",
                 ],
             ),
-            (0.01, ["⋮ 0.000977", "Power of h The change of your loop"]),
+            (
+                0.01,
+                [
+                    "⋮ 0.000977",
+                    "Power of h The leading power of h in the change of your loop",
+                ],
+            ),
         ] {
             let diagnosis = diagnosed(friction);
             let shown = Shown {
