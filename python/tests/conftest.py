@@ -15,7 +15,7 @@ NEEDED = {
     "symplint.adapters._pyat": "at",
     **{
         f"symplint.adapters._{name}": name
-        for name in ("ase", "blackjax", "diffrax", "impactx", "mici", "mujoco", "openmm", "rebound", "xtrack")
+        for name in ("ase", "blackjax", "diffrax", "mici", "mujoco", "openmm", "rebound", "xtrack")
     },
 }
 

@@ -137,7 +137,7 @@ fn force_in_a_plane(degree: usize, particles: usize, samples: usize) {
     );
 }
 
-/// One position-first Strang step, a force and two drifts, for each of `samples` equal samples.
+/// One position-first Strang step of one sample: a force and two drifts.
 fn strang_step(degree: usize, particles: usize) {
     const H: f64 = 1e-6;
     let (pic, mut plain) = plasma(degree, particles);
