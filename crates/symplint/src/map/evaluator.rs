@@ -326,6 +326,42 @@ impl<'a> Evaluator<'a> {
         first_error(each_in_parallel(blocks, each))
     }
 
+    /// Advances every sample by the substeps of a step of size `h` from `first` on, one block after the other, each while it is in the
+    /// cache. `begin` gets the number of a block's first sample, and of its samples. `visit` gets what it returned, with the block before
+    /// each substep, and after the last.
+    ///
+    /// # Errors
+    /// Those of [`advance`](Self::advance).
+    pub fn advance_substeps<T: Send>(
+        &self,
+        states: &mut Ensemble,
+        first: usize,
+        h: f64,
+        begin: impl Fn(usize, usize) -> T + Sync,
+        visit: impl Fn(&mut T, usize, &mut Block<'_>) + Sync,
+    ) -> Result<Vec<T>, Error> {
+        self.check_dof(states.dof())?;
+        if first < self.substeps {
+            self.take(states.samples())?;
+        }
+        let width = self.block_width();
+        let each = |(b, mut block): (usize, Block<'_>)| {
+            let mut visits = begin(b * width, block.len());
+            for substep in first..self.substeps {
+                visit(&mut visits, substep, &mut block);
+                let advanced = self.parts.advance(substep, h, &mut block);
+                if substep + 1 == self.substeps {
+                    self.count.finish(block.len());
+                }
+                checked(advanced, self.stated(h), b * width, &block)?;
+            }
+            visit(&mut visits, self.substeps, &mut block);
+            Ok(visits)
+        };
+        let blocks = states.blocks_of(width).into_iter().enumerate();
+        each_in_parallel(blocks, each).into_iter().collect()
+    }
+
     /// Advances states and, with each, a tangent vector, as the tangent map of the map does; `fill` writes both
     /// blocks, which begin with the sample named.
     ///

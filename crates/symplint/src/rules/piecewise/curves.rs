@@ -8,7 +8,7 @@ use crate::breaks::displace;
 use crate::error::{Error, StateAt};
 use crate::loops::Loop;
 use crate::map::Evaluator;
-use crate::state::{Ensemble, in_parallel};
+use crate::state::{Block, Ensemble, in_parallel};
 
 /// One step of a map, and the curves that are sent through it.
 pub(super) struct Curves<'a> {
@@ -167,78 +167,79 @@ impl Curves<'_> {
                 displace(&mut states.block(), k, point.pattern);
             }
         }
-        let mut stages = Vec::new();
         let position = |sample: usize| match points[sample] {
             CurvePoint { curve: 0, s, .. } => StateAt::Loop(s),
             CurvePoint { s, .. } => StateAt::Segment(s),
         };
         let at = |error: Error| error.at(position);
         states.check_finite(None).map_err(at)?;
-        for k in substep..self.evaluator.substeps() {
-            stages.push(states.clone());
-            (self.evaluator.advance_substep(&mut states, k, self.h)).map_err(at)?;
-        }
-        let ends = |curve: usize| {
-            self.segments[curve - 1]
-                .ends
-                .each_ref()
-                .map(PointImage::after)
+        let substeps = self.evaluator.substeps();
+        let numbers = 2 * self.dof() * (substeps - substep + 1);
+        let begin = |first: usize, samples: usize| {
+            let states = (0..samples).map(|_| Vec::with_capacity(numbers));
+            (first, states.collect::<Vec<Vec<f64>>>())
         };
-        for (sample, point) in points.iter().enumerate() {
-            (self.lift).unwrap(
-                &mut states,
-                sample,
-                point.s,
-                match point.curve {
-                    0 => None,
-                    curve => Some(ends(curve)),
-                },
-            );
-        }
-        stages.push(states);
-        Ok(point_images(&stages))
+        type Visits = (usize, Vec<Vec<f64>>);
+        let visit = |(first, images): &mut Visits, substep: usize, block: &mut Block<'_>| {
+            if substep == substeps {
+                for (sample, point) in points[*first..][..block.len()].iter().enumerate() {
+                    self.unwrap(block, sample, point);
+                }
+            }
+            append_states(images, block);
+        };
+        let images = (self.evaluator)
+            .advance_substeps(&mut states, substep, self.h, begin, visit)
+            .map_err(at)?;
+        let image = |states| PointImage {
+            states: Arc::new(states),
+            width: 2 * self.dof(),
+            start: 0,
+        };
+        let each = images.into_iter().flat_map(|(_, images)| images);
+        Ok(each.map(image).collect())
+    }
+
+    /// Unwraps the momenta of a state after the step, which is the image of a point.
+    fn unwrap(&self, block: &mut Block<'_>, sample: usize, point: &CurvePoint) {
+        let ends = match point.curve {
+            0 => None,
+            curve => {
+                let ends = &self.segments[curve - 1].ends;
+                Some(ends.each_ref().map(PointImage::after))
+            }
+        };
+        self.lift.unwrap(block, sample, point.s, ends);
     }
 }
 
-/// The images of all samples, from the ensembles before each substep and after the last.
-fn point_images(stages: &[Ensemble]) -> Vec<PointImage> {
+/// Appends the state of each sample of a block to what is known of the sample.
+fn append_states(images: &mut [Vec<f64>], block: &Block<'_>) {
     /// Samples that are taken out of the rows together: four cache lines of a row, which lie one after the other.
     const TOGETHER: usize = 32;
     /// Coordinates that are put into their states together: a cache line of each.
     const LINE: usize = 8;
-    let (dof, samples) = (stages[0].dof(), stages[0].samples());
-    let tables = stages.iter().flat_map(|stage| [stage.q(), stage.p()]);
-    let rows: Vec<&[f64]> = tables
-        .flat_map(|rows| (0..dof).map(move |i| rows.row(i)))
+    let tables = [block.q.as_rows(), block.p.as_rows()];
+    let rows: Vec<&[f64]> = (tables.iter())
+        .flat_map(|rows| (0..rows.count()).map(|i| rows.row(i)))
         .collect();
-    let images = |first: usize| {
-        let columns = first..(first + TOGETHER).min(samples);
-        let mut states: Vec<Vec<f64>> = (columns.clone())
-            .map(|_| Vec::with_capacity(rows.len()))
-            .collect();
-        let mut tile = [[0.0; LINE]; TOGETHER];
+    let mut tile = [[0.0; LINE]; TOGETHER];
+    for (together, images) in images.chunks_mut(TOGETHER).enumerate() {
+        let first = together * TOGETHER;
         for rows in rows.chunks(LINE) {
             for (i, row) in rows.iter().enumerate() {
-                let values = &row[columns.clone()];
+                let values = &row[first..first + images.len()];
                 (tile.iter_mut().zip(values)).for_each(|(line, value)| line[i] = *value);
             }
-            for (states, line) in states.iter_mut().zip(&tile) {
+            for (image, line) in images.iter_mut().zip(&tile) {
                 match rows.len() {
                     // Of a known length, it is two instructions.
-                    LINE => states.extend_from_slice(line),
-                    rest => states.extend_from_slice(&line[..rest]),
+                    LINE => image.extend_from_slice(line),
+                    rest => image.extend_from_slice(&line[..rest]),
                 }
             }
         }
-        let image = |states| PointImage {
-            states: Arc::new(states),
-            width: 2 * dof,
-            start: 0,
-        };
-        states.into_iter().map(image).collect::<Vec<_>>()
-    };
-    let firsts = (0..samples).step_by(TOGETHER);
-    in_parallel(firsts, rows.len() * TOGETHER, images).concat()
+    }
 }
 
 #[cfg(test)]
@@ -249,21 +250,24 @@ mod tests {
     fn images_have_the_coordinates_of_their_sample_at_each_stage() {
         let value = |stage: usize, c: usize, k: usize| (10_000 * stage + 100 * c + k) as f64;
         for (dof, samples) in [(1, 1), (3, 31), (4, 32), (5, 77)] {
-            let stages: Vec<Ensemble> = (0..3)
-                .map(|stage| {
-                    let mut states = Ensemble::zeros(dof, samples);
-                    for k in 0..samples {
-                        for i in 0..dof {
-                            states.block().q.row_mut(i)[k] = value(stage, i, k);
-                            states.block().p.row_mut(i)[k] = value(stage, dof + i, k);
-                        }
+            let mut images = vec![Vec::new(); samples];
+            let mut states = Ensemble::zeros(dof, samples);
+            for stage in 0..3 {
+                let mut block = states.block();
+                for k in 0..samples {
+                    for i in 0..dof {
+                        block.q.row_mut(i)[k] = value(stage, i, k);
+                        block.p.row_mut(i)[k] = value(stage, dof + i, k);
                     }
-                    states
-                })
-                .collect();
-            let images = point_images(&stages);
-            assert_eq!(images.len(), samples);
-            for (k, image) in images.iter().enumerate() {
+                }
+                append_states(&mut images, &block);
+            }
+            for (k, states) in images.into_iter().enumerate() {
+                let image = PointImage {
+                    states: Arc::new(states),
+                    width: 2 * dof,
+                    start: 0,
+                };
                 assert_eq!(image.stages(), 3);
                 for stage in 0..3 {
                     let expected: Vec<f64> = (0..2 * dof).map(|c| value(stage, c, k)).collect();

@@ -1,7 +1,7 @@
 //! Periodic momenta, unwrapped along the loop.
 
 use crate::signal::nearest;
-use crate::state::{Coordinates, Ensemble};
+use crate::state::{Block, Coordinates, Ensemble};
 
 /// Momenta that are periodic, unwrapped at equispaced samples of the advanced loop: a momentum anywhere is taken in the
 /// period in which it is nearest to the line between its neighbouring samples. Empty where none is periodic.
@@ -41,8 +41,8 @@ impl Lift {
         }
     }
 
-    /// Unwraps the momenta of one of `states`: that at `s` of the loop, or of a segment whose `ends` are unwrapped.
-    pub fn unwrap(&self, states: &mut Ensemble, sample: usize, s: f64, ends: Option<[&[f64]; 2]>) {
+    /// Unwraps the momenta of a state of a block: that at `s` of the loop, or of a segment whose `ends` are unwrapped.
+    pub fn unwrap(&self, block: &mut Block<'_>, sample: usize, s: f64, ends: Option<[&[f64]; 2]>) {
         for Momentum { dof, period, row } in &self.momenta {
             let [from, to, part] = match ends {
                 Some([low, high]) => [low[self.dof + dof], high[self.dof + dof], s],
@@ -55,7 +55,6 @@ impl Lift {
             };
             let to = from + nearest(to - from, *period);
             let expected = from + part * (to - from);
-            let mut block = states.block();
             let momentum = &mut block.p.row_mut(*dof)[sample];
             *momentum = expected + nearest(*momentum - expected, *period);
         }
@@ -92,7 +91,7 @@ mod tests {
                 let mut states = Ensemble::zeros(2, 2);
                 states.block().p.row_mut(1)[1] = expected + periods;
                 states.block().p.row_mut(0)[1] = 9.0;
-                lift.unwrap(&mut states, 1, s, None);
+                lift.unwrap(&mut states.block(), 1, s, None);
                 assert!((states.p().row(1)[1] - expected).abs() < 1e-14);
                 // One without a period, and another sample, stay.
                 assert_eq!(states.p().row(0)[1], 9.0);
@@ -109,7 +108,7 @@ mod tests {
         for (part, expected) in [(0.0, 10.0), (0.25, 10.2), (1.0, 10.8)] {
             let mut states = Ensemble::zeros(2, 1);
             states.block().p.row_mut(1)[0] = expected - 8.0;
-            lift.unwrap(&mut states, 0, part, Some(ends));
+            lift.unwrap(&mut states.block(), 0, part, Some(ends));
             assert!((states.p().row(1)[0] - expected).abs() < 1e-14);
         }
     }

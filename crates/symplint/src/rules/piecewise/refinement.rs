@@ -166,7 +166,7 @@ impl<'a> Refinement<'a> {
 
     /// How many of the last tasks go into one batch.
     fn batch(&self, tasks: &[Task], substep: usize) -> usize {
-        // As ensembles, and as images.
+        // The images of this batch, and as much again for those of earlier ones.
         let copies = 2 * (self.curves.evaluator.substeps() - substep + 1);
         let state = 16 * self.curves.dof() * copies;
         let most = SMALL_MEMORY / state.max(1);
