@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::{LoopEvidence, StepEvidence};
-use crate::signal::SIGNIFICANT;
+use crate::signal::{ROUNDING_INSIDE, SIGNIFICANT};
 
 /// A step that advances the motions on its loops by less than this, in radians, tests nothing. The defect of a method of
 /// order 4 has to stand clear of the bound on the defect, too: [`defect_of_order_4`]. Methods of order 8 and more need
@@ -49,7 +49,7 @@ pub struct Motion {
     #[serde(default)]
     pub imbalance: f64,
     /// Whether the step leaves all positions, or all momenta, in their places against each other: a kick alone, or a
-    /// free flight, to the rounding of the map.
+    /// free flight, to the rounding of the map. `false` if all changes are rounding.
     pub shear: bool,
     /// Whether any state moves at all.
     #[serde(default)]
@@ -57,6 +57,11 @@ pub struct Motion {
 }
 
 impl Motion {
+    /// Whether all changes are too small to be known from rounding.
+    pub(crate) fn is_rounding(&self) -> bool {
+        !self.shear && self.deformation < ROUNDING_INSIDE
+    }
+
     /// Whether a method that is not symplectic would show a defect above this bound.
     pub(crate) fn tests(&self, bound: f64) -> bool {
         match self.shear {

@@ -60,13 +60,16 @@ impl Motions {
         };
         // Of a loop without an area, infinite or not a number.
         let squared = sum(|plane| &plane.of_changes) / sum(|plane| &plane.of_loop);
+        let moves = self.planes.iter().any(Plane::moves);
+        // What moves by rounding alone may be a step of any method.
+        let is_known = self.planes.iter().any(Plane::moves_visibly) || !moves;
         let motion = Motion {
             deformation,
             phase_advance: squared.sqrt(),
             imbalance: (self.planes.iter())
                 .fold(0.0, |most, plane| plane.imbalance(count).max(most)),
-            shear: self.planes.iter().all(|plane| plane.is_sheared(count)),
-            moves: self.planes.iter().any(Plane::moves),
+            shear: is_known && self.planes.iter().all(|plane| plane.is_sheared(count)),
+            moves,
         };
         (motion.deformation.is_finite() && motion.phase_advance.is_finite()).then_some(motion)
     }
@@ -169,6 +172,14 @@ impl Plane {
         count >= FEWEST_SAMPLES as f64
             && change <= ROUNDING_INSIDE * size
             && self.differences[c] >= LEAST_SCATTER * self.of_changes.squares(c)
+    }
+
+    /// Whether a coordinate changes by much more than rounding.
+    fn moves_visibly(&self) -> bool {
+        (self.of_changes.extents.iter().zip(&self.of_loop.extents)).any(|(changes, of_loop)| {
+            let size = of_loop.length();
+            size > 0.0 && changes.magnitude() >= ROUNDING_INSIDE * size
+        })
     }
 
     fn moves(&self) -> bool {
@@ -311,6 +322,17 @@ mod tests {
         }
         let at_rest = motion([1.0, 1.0], |q, p| (q, p));
         assert!(at_rest.shear && !at_rest.moves, "{at_rest:?}");
+    }
+
+    /// Of a step that is so small that the changes of both coordinates are rounding, nothing is known.
+    #[test]
+    fn a_step_below_rounding_is_no_shear() {
+        for h in [1e-10, 1e-14, 1e-15, 1e-16, 1e-17] {
+            let euler = motion([1.0, 0.5], |q, p| (q + h * p, p - h * q.sin()));
+            assert!(!euler.shear, "{h}: {euler:?}");
+        }
+        let kick = motion([1.0, 1.0], |q, p| (q, p - 1e-7 * q.sin()));
+        assert!(kick.shear, "{kick:?}");
     }
 
     #[test]

@@ -27,6 +27,31 @@ fn a_broken_loop_whose_defect_has_no_trend_has_no_order() {
     assert_eq!(diagnosis.verdict.order, None, "{:?}", diagnosis.fits());
 }
 
+/// Explicit Euler steps of slow pendula, whose changes are rounding at the default step sizes, or at the given one.
+#[test]
+fn steps_that_change_states_by_rounding_alone_are_undecided() {
+    let default_sizes = Diagnostic::default().step_sizes;
+    let cases = [1e-13, 1e-15, 3e-16, 1e-16].map(|frequency| (frequency, default_sizes.clone()));
+    let tiny = [1e-14, 1e-15, 1e-17, 1e-300].map(|h| (1.0, vec![h]));
+    for (frequency, step_sizes) in cases.into_iter().chain(tiny) {
+        let euler = PerSample::new(1, move |h, q: &mut [f64], p: &mut [f64]| {
+            let force = q[0].sin();
+            q[0] += h * frequency * p[0];
+            p[0] -= h * frequency * force;
+        });
+        let circle = Circle::new(vec![1.0], vec![0.5], 1.0).unwrap();
+        let diagnostic = Diagnostic {
+            budget: Some(20_000),
+            step_sizes: step_sizes.clone(),
+            ..Diagnostic::default()
+        };
+        let found = diagnostic.run(&euler, &circle).unwrap().verdict;
+        let case = format!("{frequency}, {step_sizes:?}: {found}");
+        assert_eq!(found.kind, VerdictKind::Undecided, "{case}");
+        assert!(found.advice()[0].contains("larger step"), "{case}");
+    }
+}
+
 /// The Fourier coefficients fall by ten orders in 16 modes, and then stay at the rounding of √(1 + 2δ + …) − 1.
 #[test]
 fn an_analytic_loop_is_not_rough_where_rounding_inside_the_map_ends_the_fall() {

@@ -293,7 +293,7 @@ impl Case<'_> {
         } else if factor < MOST_LARGER {
             let factor = Some(factor);
             Advice::LargerSteps { factor, step_size }
-        } else if motion.shear {
+        } else if motion.shear || motion.is_rounding() {
             let factor = None;
             Advice::LargerSteps { factor, step_size }
         } else {
