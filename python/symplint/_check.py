@@ -975,7 +975,8 @@ def _number(value: Any, name: str) -> float:
 def _check_names(settings: dict[str, Any]) -> None:
     """Refuse further settings that do not exist, as Python refuses arguments."""
     arguments = inspect.signature(check).parameters
-    known = [name for name in _native.settings() if name not in arguments]
+    # The key `step_size` of configurations is `typical_step` here: as an argument, it would be mistaken for the step sizes.
+    known = [name for name in _native.settings() if name not in arguments and name != "step_size"]
     for name in settings:
         if name not in known:
             near = difflib.get_close_matches(name, [*arguments, *known], 1) or ["typical_step"] * (name.lower() in TIMES)

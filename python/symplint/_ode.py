@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import importlib
+import importlib.util
 import inspect
 from collections.abc import Callable
 from typing import Any
@@ -135,6 +135,8 @@ def from_ode(
         raise InputError(f"solver is {solver!r}; give one of {', '.join(METHODS)}, or a class derived from scipy.integrate.OdeSolver")
     if known := options.keys() & {"method", "t_span", "y0", "t_eval"}:
         raise InputError(f"{min(known)} is given; the solver, the times and the states of a step are known")
+    if importlib.util.find_spec("scipy") is None:
+        raise InputError("from_ode integrates by scipy, which is not installed: pip install scipy")
     if fixed_steps is not None:
         if not isinstance(fixed_steps, int | np.integer) or fixed_steps < 1:
             raise InputError(f"fixed_steps is {fixed_steps!r}; give a whole number, 1 or more")

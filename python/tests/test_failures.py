@@ -459,6 +459,8 @@ def test_arguments_that_are_not_valid(arguments, words):
 def test_arguments_that_do_not_exist_are_refused():
     with pytest.raises(TypeError, match="unexpected keyword argument 'perod'; did you mean 'period'?"):
         symplint.check(verlet, 1.0, 0.5, perod=1.0)
+    with pytest.raises(TypeError, match="unexpected keyword argument 'step_size'; did you mean 'step_sizes'?"):
+        symplint.check(verlet, 1.0, 0.5, step_size=0.1)
 
 
 def test_keys_of_configurations_are_arguments():

@@ -261,6 +261,11 @@ impl Settings {
 
     /// The given loop.
     pub fn circle(&self) -> Result<Circle, Failure> {
+        if (self.radius_q.iter().chain(&self.radius_p)).all(|&radius| radius == 0.0) {
+            return Err(Failure::bad_argument(
+                "radius is 0 in all coordinates; give a positive number".to_owned(),
+            ));
+        }
         let (q0, p0) = (self.q0.clone(), self.p0.clone());
         let circle = Circle::with_radii(q0, p0, self.radius_q.clone(), self.radius_p.clone());
         let Some(phases) = Phases::named(&self.phases, self.seed) else {

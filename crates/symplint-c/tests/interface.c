@@ -354,6 +354,8 @@ static void checks(void) {
     CHECK(symplint_check(step, &user, 2, q0, p0, &bad, &report) == SYMPLINT_STATUS_BAD_ARGUMENT && says("period"));
     bad = options, bad.budget = 10;
     CHECK(symplint_check(step, &user, 2, q0, p0, &bad, &report) == SYMPLINT_STATUS_BAD_ARGUMENT && says("budget"));
+    bad = options, bad.radius = 0;
+    CHECK(symplint_check(step, &user, 2, q0, p0, &bad, &report) == SYMPLINT_STATUS_BAD_ARGUMENT && says("radius is 0"));
     bad = options, bad.radius = -1;
     CHECK(symplint_check(step, &user, 2, q0, p0, &bad, &report) == SYMPLINT_STATUS_BAD_ARGUMENT && says("radius"));
     bad = options, bad.loops = 0;

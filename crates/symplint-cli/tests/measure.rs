@@ -626,7 +626,7 @@ fn bad_options_are_refused() {
     for (arguments, says) in [
         (
             &["before.npz", "a.npz", "b.npz", "--h", "0.5"][..],
-            "1 step sizes for 2 files",
+            "1 step size for 2 files",
         ),
         (
             &["before.npz", "a.npz", "b.npz", "--h", "0.5,0.5"],

@@ -125,7 +125,7 @@ impl fmt::Display for Dependence {
 #[non_exhaustive]
 pub enum Error {
     /// A list has another length than there are degrees of freedom.
-    #[error("{what}: got {got} values for {expected} degrees of freedom; give one for each")]
+    #[error("{what}: got {got} values for d = {expected}; give one for each degree of freedom")]
     Length {
         /// Which list.
         what: &'static str,
@@ -420,7 +420,7 @@ pub enum Error {
     #[error("the diagnosis was stopped before it was over")]
     Stopped,
     /// Map and loop live in different phase spaces.
-    #[error("the map has {map} degrees of freedom and the loop {phase_loop}; they must agree")]
+    #[error("the degrees of freedom differ: the map has {map} and the loop {phase_loop}")]
     DofMismatch {
         /// Degrees of freedom of the map.
         map: usize,

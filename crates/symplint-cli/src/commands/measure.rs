@@ -195,8 +195,12 @@ fn set_step_sizes(after: &mut [LoopFile], sizes: &[f64]) -> Result<(), Failure> 
         };
         return Err(usage(
             format!(
-                "--h has {} step sizes for {of_all} files after the step",
-                sizes.len()
+                "--h has {} for {of_all} {} after the step",
+                match sizes.len() {
+                    1 => "1 step size".to_owned(),
+                    more => format!("{more} step sizes"),
+                },
+                if of_all == 1 { "file" } else { "files" },
             ),
             format!("give {wanted}"),
         ));

@@ -280,7 +280,8 @@ impl Advice {
             }
             Advice::MoreLoops => "One loop tests one region of phase space: set loops to 8.",
             Advice::MoreLoopsOfFile => {
-                "One loop tests one region of phase space: also measure others, from `symplint loop --shape fourier --seed 2`, for example."
+                "One loop tests one region of phase space: also measure others, such as a random one, by `--shape fourier --seed 2` in the \
+                 command `symplint loop` of this loop."
             }
             Advice::LookBeyondFriction => {
                 "The step preserves volume where it was tested, so friction is not the likely cause. Look for a force that is not a gradient \
