@@ -301,10 +301,10 @@ fn draw_swatch(scene: &mut Scene, swatch: Swatch, (left, middle): Point) {
             dash,
         } => match style {
             Style::Line | Style::Closed => scene.line(line, STYLE.thick_line, color(index)),
-            Style::Points => marker::draw(scene, centre, index, color(index)),
+            Style::Points => marker::draw(scene, centre, index, color(index), STYLE.marker_radius),
             Style::LineAndPoints => {
                 scene.line(line, STYLE.thick_line, color(index));
-                marker::draw(scene, centre, index, color(index));
+                marker::draw(scene, centre, index, color(index), STYLE.marker_radius);
             }
             Style::Dashed => {
                 for dash in curve::dashes(&line, STYLE.dashes[dash]) {

@@ -5,24 +5,33 @@ use super::palette::{Color, WHITE};
 use super::scene::Scene;
 use super::style::STYLE;
 
-/// Draws the marker of a series index.
-pub(super) fn draw(scene: &mut Scene, centre: Point, index: usize, color: Color) {
+/// Draws the marker of a series index, in the given size.
+pub(super) fn draw(scene: &mut Scene, centre: Point, index: usize, color: Color, radius: f64) {
     match index % 5 {
         0 => {
-            scene.disc(centre, STYLE.marker_radius + STYLE.marker_rim, WHITE);
-            scene.disc(centre, STYLE.marker_radius, color);
+            scene.disc(centre, radius + STYLE.marker_rim, WHITE);
+            scene.disc(centre, radius, color);
         }
-        1 => polygon(scene, centre, color, 1.25, &[45.0, 135.0, 225.0, 315.0]),
-        2 => polygon(scene, centre, color, 1.4, &[-90.0, 30.0, 150.0]),
-        3 => polygon(scene, centre, color, 1.4, &[0.0, 90.0, 180.0, 270.0]),
+        1 => polygon(
+            scene,
+            centre,
+            color,
+            1.25 * radius,
+            &[45.0, 135.0, 225.0, 315.0],
+        ),
+        2 => polygon(scene, centre, color, 1.4 * radius, &[-90.0, 30.0, 150.0]),
+        3 => polygon(
+            scene,
+            centre,
+            color,
+            1.4 * radius,
+            &[0.0, 90.0, 180.0, 270.0],
+        ),
         _ => {
-            cross(
-                scene,
-                centre,
-                STYLE.thick_line + 2.0 * STYLE.marker_rim,
-                WHITE,
-            );
-            cross(scene, centre, STYLE.thick_line, color);
+            let reach = 0.9 * radius;
+            let rim = STYLE.thick_line + 2.0 * STYLE.marker_rim;
+            cross(scene, centre, reach, rim, WHITE);
+            cross(scene, centre, reach, STYLE.thick_line, color);
         }
     }
 }
@@ -56,15 +65,11 @@ fn polygon(scene: &mut Scene, centre: Point, color: Color, reach: f64, degrees: 
     };
     // A rim of constant width needs more reach the sharper the corners are.
     let sharpness = if degrees.len() == 3 { 2.0 } else { 1.42 };
-    scene.area(
-        corners(STYLE.marker_radius * reach + STYLE.marker_rim * sharpness),
-        WHITE,
-    );
-    scene.area(corners(STYLE.marker_radius * reach), color);
+    scene.area(corners(reach + STYLE.marker_rim * sharpness), WHITE);
+    scene.area(corners(reach), color);
 }
 
-fn cross(scene: &mut Scene, centre: Point, width: f64, color: Color) {
-    let reach = 0.9 * STYLE.marker_radius;
+fn cross(scene: &mut Scene, centre: Point, reach: f64, width: f64, color: Color) {
     for side in [-1.0, 1.0] {
         scene.line(
             vec![

@@ -46,7 +46,7 @@ impl PanelDrawing<'_> {
         ];
         self.draw_each(scene, &data, draw_lines);
         self.draw_frame(scene);
-        self.draw_each(scene, &data, draw_markers);
+        self.draw_markers(scene, &data);
         self.legend.draw(scene, self.left, self.below);
         self.draw_tick_labels(scene);
         self.draw_titles(scene, face);
@@ -61,6 +61,36 @@ impl PanelDrawing<'_> {
         for (series, shapes) in self.panel.series.iter().zip(&self.shapes) {
             if styles.contains(&series.style) {
                 draw(scene, series, shapes, self.frame);
+            }
+        }
+    }
+
+    /// Draws the markers of all series. A marker that would hide one of a series before it is smaller, so that both are seen.
+    fn draw_markers(&self, scene: &mut Scene, styles: &[Style]) {
+        let mut drawn: Vec<Point> = Vec::new();
+        for (series, shapes) in self.panel.series.iter().zip(&self.shapes) {
+            if !styles.contains(&series.style) {
+                continue;
+            }
+            let color = color(series.color);
+            for centre in &shapes.dots {
+                scene.disc(*centre, STYLE.dot_radius, color);
+            }
+            for centre in &shapes.markers {
+                let apart = |other: &Point| (other.0 - centre.0).hypot(other.1 - centre.1);
+                let hides = drawn.iter().any(|other| apart(other) < STYLE.marker_radius);
+                let size = if hides { 0.55 } else { 1.0 };
+                marker::draw(
+                    scene,
+                    *centre,
+                    series.color,
+                    color,
+                    size * STYLE.marker_radius,
+                );
+            }
+            drawn.extend(&shapes.markers);
+            for tip in &shapes.zeros {
+                marker::draw_zero(scene, *tip, color);
             }
         }
     }
@@ -208,18 +238,5 @@ fn draw_lines(scene: &mut Scene, series: &Series, shapes: &Shapes, _: Rect) {
             Style::Thin => scene.line(line.clone(), 1.0, CONTOUR),
             _ => scene.line(line.clone(), STYLE.thick_line, color(series.color)),
         }
-    }
-}
-
-fn draw_markers(scene: &mut Scene, series: &Series, shapes: &Shapes, _: Rect) {
-    let color = color(series.color);
-    for centre in &shapes.dots {
-        scene.disc(*centre, STYLE.dot_radius, color);
-    }
-    for centre in &shapes.markers {
-        marker::draw(scene, *centre, series.color, color);
-    }
-    for tip in &shapes.zeros {
-        marker::draw_zero(scene, *tip, color);
     }
 }
