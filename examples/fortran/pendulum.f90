@@ -54,7 +54,9 @@ contains
         if (symplint_options_init(options, c_sizeof(options)) /= symplint_status_ok) stop 2
         options%budget = 4000
         options%radius = 0.5d0
-        if (symplint_check(step, c_null_ptr, 1_c_size_t, [1d0], [0.5d0], options, report) /= symplint_status_ok) then
+        ! One degree of freedom, and the centre (q0, p0) of the loop.
+        if (symplint_check(step, c_null_ptr, 1_c_size_t, [1d0], [0.5d0], &
+                           options, report) /= symplint_status_ok) then
             print '(a)', name//': '//symplint_text(symplint_last_error())
             return
         end if

@@ -44,7 +44,9 @@ def draw(folder: Path, theme: str) -> None:
             left.plot(np.append(q1, q1[0]), np.append(p1, p1[0]), color=colours[name], label=f"{label}: {shown}")
             points = symplint.check(step, 0.7, 1.0).points
             own = points[points["loop"] == 0]
-            right.loglog(own["step_size"], np.maximum(own["defect"], 5e-17), "o-", color=colours[name], label=label, markersize=4)
+            changed = own["defect"] > 0
+            right.loglog(own["step_size"][changed], own["defect"][changed], "o-", color=colours[name], label=label, markersize=4)
+            right.plot(own["step_size"][~changed], np.full(np.sum(~changed), 2e-17), "v", color=colours[name], fillstyle="none", markersize=5)
         left.set(xlabel="position q", ylabel="momentum p", aspect="equal", title="a loop of states, one step of h = 1", xlim=(-0.9, 3.5), ylim=(-1.1, 3.1))
         left.legend(frameon=False, loc="upper left", fontsize=8)
         right.set(xlabel="step size h", title="relative change of its area", ylim=(1e-17, 3))
