@@ -141,19 +141,18 @@ def comparable(text: str) -> str:
 
 
 def agree(new: str, old: str, factor: float) -> bool:
-    """Whether two tables agree. Two spaces separate columns. The first column is the same, and numbers of the others differ by this factor."""
-    tables = [[re.split(r"\s{2,}", line.strip()) for line in text.strip().splitlines()] for text in (new, old)]
-    if [len(line) for line in tables[0]] != [len(line) for line in tables[1]]:
-        return False
-    pairs = ((column, a, b) for lines in zip(*tables, strict=True) for column, (a, b) in enumerate(zip(*lines, strict=True)))
-    return all(a == b or (column > 0 and near(a, b, factor)) for column, a, b in pairs)
+    """Whether two tables agree: the names of the rows, which end at two spaces, are the same, and the numbers after them are near."""
+    rows = [[re.split(r"\s{2,}", line.strip(), maxsplit=1) for line in text.strip().splitlines()] for text in (new, old)]
+    return [row[0] for row in rows[0]] == [row[0] for row in rows[1]] and all(
+        near(" ".join(a[1:]), " ".join(b[1:]), factor) for a, b in zip(*rows, strict=True)
+    )
 
 
 def near(a: str, b: str, factor: float) -> bool:
     """Whether two texts have the same words, and numbers that differ by this factor at most."""
     numbers = ([float(word.replace(",", "")) for word in NUMBER.findall(text)] for text in (a, b))
-    return NUMBER.sub("", a) == NUMBER.sub("", b) and all(
-        x == y or (x * y > 0 and 1 / factor <= x / y <= factor) for x, y in zip(*numbers, strict=True)
+    return NUMBER.sub("0", a).split() == NUMBER.sub("0", b).split() and all(
+        x == y or factor == float("inf") or (x * y > 0 and 1 / factor <= x / y <= factor) for x, y in zip(*numbers, strict=True)
     )
 
 
