@@ -20,3 +20,4 @@ simulation.lattice.extend([elements.ChrQuad(ds=0.5, k=0.6), elements.ExactDrift(
 report = symplint.check(symplint.adapters.impactx(simulation))
 print(report.headline)
 print(*[text for text in report.sentences if "substep" in text], sep="\n")
+simulation.finalize()

@@ -150,7 +150,7 @@ def agree(new: str, old: str, factor: float) -> bool:
 
 def near(a: str, b: str, factor: float) -> bool:
     """Whether two texts have the same words, and numbers that differ by this factor at most."""
-    numbers = ([float(word.replace(",", "")) for word in NUMBER.findall(text)] for text in (a, b))
+    numbers = ([float(word.removesuffix(" digits").replace(",", "")) for word in NUMBER.findall(text)] for text in (a, b))
     return NUMBER.sub("0", a).split() == NUMBER.sub("0", b).split() and all(
         x == y or factor == float("inf") or (x * y > 0 and 1 / factor <= x / y <= factor) for x, y in zip(*numbers, strict=True)
     )
@@ -357,7 +357,7 @@ def main() -> None:
     skipped = sum(len(result.skipped) for result in results)
     print(f"{len(results)} pages, {failed} with differences, {skipped} blocks skipped")
     if failed and not options.write:
-        print("python python/tools/run_pages.py --write replaces outputs that differ")
+        print(f"python python/tools/run_pages.py --write{' --benches' * options.benches} replaces outputs that differ")
     if any(result.problems for result in results) or (options.strict and skipped):
         sys.exit(1)
 

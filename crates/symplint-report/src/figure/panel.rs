@@ -65,7 +65,7 @@ impl PanelDrawing<'_> {
         }
     }
 
-    /// Draws the markers of all series. A marker that would hide one of a series before it is smaller, so that both are seen.
+    /// Draws the markers of all series. A marker that would hide others of the series before it is smaller, so that they are seen.
     fn draw_markers(&self, scene: &mut Scene, styles: &[Style]) {
         let mut drawn: Vec<Point> = Vec::new();
         for (series, shapes) in self.panel.series.iter().zip(&self.shapes) {
@@ -78,8 +78,10 @@ impl PanelDrawing<'_> {
             }
             for centre in &shapes.markers {
                 let apart = |other: &Point| (other.0 - centre.0).hypot(other.1 - centre.1);
-                let hides = drawn.iter().any(|other| apart(other) < STYLE.marker_radius);
-                let size = if hides { 0.55 } else { 1.0 };
+                let hidden = (drawn.iter())
+                    .filter(|other| apart(other) < STYLE.marker_radius)
+                    .count();
+                let size = 0.55f64.powi(hidden.min(2) as i32);
                 marker::draw(
                     scene,
                     *centre,

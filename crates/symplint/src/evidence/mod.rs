@@ -19,7 +19,9 @@ pub use break_sides::{AlongFlow, BreakSides, CoordinateAtBreak, PositionAtBreak}
 pub use checks::{Check, Evaluations, Omission, Why};
 pub use localisation::{Contraction, Localisation, Sector, SubstepDefect};
 pub use long_time::{EnergyInTime, LongTime, LoopAtStep};
-pub(crate) use motion::{LEAST_DEFORMATION, LEAST_PHASE_ADVANCE, defect_of_order_4};
+pub(crate) use motion::{
+    LEAST_DEFORMATION, LEAST_PHASE_ADVANCE, MAY_BE_ROUNDING, defect_of_order_4,
+};
 pub use motion::{Motion, Reach};
 pub use picture::LoopPicture;
 pub use point::{BreakAt, Point, Sweep};

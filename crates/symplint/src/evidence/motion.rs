@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::{LoopEvidence, StepEvidence};
-use crate::signal::{ROUNDING_INSIDE, SIGNIFICANT};
+use crate::signal::SIGNIFICANT;
 
 /// A step that advances the motions on its loops by less than this, in radians, tests nothing. The defect of a method of
 /// order 4 has to stand clear of the bound on the defect, too: [`defect_of_order_4`]. Methods of order 8 and more need
@@ -14,6 +14,9 @@ pub(crate) const LEAST_PHASE_ADVANCE: f64 = 0.05;
 /// their size tests nothing. Calibrated on the truth table: explicit midpoint and Heun steps of all its systems show
 /// a defect from 0.2 on.
 pub(crate) const LEAST_DEFORMATION: f64 = 0.2;
+
+/// Changes below this part of the values may be rounding errors of the map alone. Conventional: four digits more than one rounding.
+pub(crate) const MAY_BE_ROUNDING: f64 = 1e-12;
 
 /// Motions that grow by no more than this factor do not depend on the step size, which is at least four times as large.
 /// Conventional.
@@ -49,7 +52,7 @@ pub struct Motion {
     #[serde(default)]
     pub imbalance: f64,
     /// Whether the step leaves all positions, or all momenta, in their places against each other: a kick alone, or a
-    /// free flight, to the rounding of the map. `false` if all changes are rounding.
+    /// free flight, to the rounding of the map. `false` if all changes may be rounding.
     pub shear: bool,
     /// Whether any state moves at all.
     #[serde(default)]
@@ -57,9 +60,9 @@ pub struct Motion {
 }
 
 impl Motion {
-    /// Whether all changes are too small to be known from rounding.
+    /// Whether all changes may be rounding errors.
     pub(crate) fn is_rounding(&self) -> bool {
-        !self.shear && self.deformation < ROUNDING_INSIDE
+        !self.shear && self.deformation < MAY_BE_ROUNDING
     }
 
     /// Whether a method that is not symplectic would show a defect above this bound.

@@ -347,14 +347,15 @@ impl<'a> Evaluator<'a> {
         let width = self.block_width();
         let each = |(b, mut block): (usize, Block<'_>)| {
             let mut visits = begin(b * width, block.len());
-            for substep in first..self.substeps {
+            let advanced = (first..self.substeps).try_for_each(|substep| {
                 visit(&mut visits, substep, &mut block);
                 let advanced = self.parts.advance(substep, h, &mut block);
-                if substep + 1 == self.substeps {
-                    self.count.finish(block.len());
-                }
-                checked(advanced, self.stated(h), b * width, &block)?;
+                checked(advanced, self.stated(h), b * width, &block)
+            });
+            if first < self.substeps {
+                self.count.finish(block.len());
             }
+            advanced?;
             visit(&mut visits, self.substeps, &mut block);
             Ok(visits)
         };

@@ -1,6 +1,6 @@
 //! How one step moves the samples of a loop against each other.
 
-use crate::evidence::{FEWEST_SAMPLES, Motion};
+use crate::evidence::{FEWEST_SAMPLES, MAY_BE_ROUNDING, Motion};
 use crate::signal::{Extent, ROUNDING_INSIDE, Turns, UNIT_ROUNDOFF};
 use crate::state::{Coordinates, Ensemble};
 
@@ -62,7 +62,7 @@ impl Motions {
         let squared = sum(|plane| &plane.of_changes) / sum(|plane| &plane.of_loop);
         let moves = self.planes.iter().any(Plane::moves);
         // What moves by rounding alone may be a step of any method.
-        let is_known = self.planes.iter().any(Plane::moves_visibly) || !moves;
+        let is_known = self.planes.iter().any(Plane::is_known) || !moves;
         let motion = Motion {
             deformation,
             phase_advance: squared.sqrt(),
@@ -174,11 +174,15 @@ impl Plane {
             && self.differences[c] >= LEAST_SCATTER * self.of_changes.squares(c)
     }
 
-    /// Whether a coordinate changes by much more than rounding.
-    fn moves_visibly(&self) -> bool {
-        (self.of_changes.extents.iter().zip(&self.of_loop.extents)).any(|(changes, of_loop)| {
-            let size = of_loop.length();
-            size > 0.0 && changes.magnitude() >= ROUNDING_INSIDE * size
+    /// Whether one coordinate changes by so much more than rounding that the change of the other would be seen: it deforms, or it
+    /// moves while the other stays to the last bit.
+    fn is_known(&self) -> bool {
+        (0..2).any(|c| {
+            let [changes, other] = [c, 1 - c].map(|c| &self.of_changes.extents[c]);
+            let size = self.of_loop.extents[c].length();
+            let deforms = size > 0.0 && changes.length() >= ROUNDING_INSIDE * size;
+            let largest = self.of_loop.extents[c].magnitude() + changes.magnitude();
+            deforms || other.magnitude() == 0.0 && changes.magnitude() >= MAY_BE_ROUNDING * largest
         })
     }
 
@@ -331,8 +335,17 @@ mod tests {
             let euler = motion([1.0, 0.5], |q, p| (q + h * p, p - h * q.sin()));
             assert!(!euler.shear, "{h}: {euler:?}");
         }
-        let kick = motion([1.0, 1.0], |q, p| (q, p - 1e-7 * q.sin()));
-        assert!(kick.shear, "{kick:?}");
+        // The loop is far from the origin, and moves far, compared with its size.
+        let orbit = motion([1e-6, 1e-6], |q, p| {
+            let (q, p) = (q + 7.0, p + 7.5);
+            (q + 1e-9 * p - 7.0, p - 1e-9 / q.powi(2) - 7.5)
+        });
+        assert!(!orbit.shear, "{orbit:?}");
+        for size in [1e-11, 1e-7] {
+            let kick = motion([1.0, 1.0], |q, p| (q, p - size * q.sin()));
+            let shift = motion([1.0, 1.0], |q, p| (q + size, p));
+            assert!(kick.shear && shift.shear, "{size}: {kick:?}, {shift:?}");
+        }
     }
 
     #[test]

@@ -168,7 +168,10 @@ fn moves(f: &mut Formatter<'_>, motion: &Motion, has_step_size: bool) -> Result 
     if motion.deformation == 0.0 && !motion.moves {
         write!(f, "{subject} leaves every state of the loops where it is.")
     } else if motion.is_rounding() {
-        write!(f, "{subject} changes the states by rounding errors only.")
+        write!(
+            f,
+            "{subject} changes the states by little more than rounding errors."
+        )
     } else if motion.shear {
         write!(
             f,
@@ -223,7 +226,7 @@ fn little_motion(f: &mut Formatter<'_>, motion: &Motion, group: Option<usize>) -
             false => "The step moved no state of the loop.",
         })
     } else if motion.is_rounding() {
-        f.write_str("The largest step changes the states of a loop by rounding errors only, too little to show a change.")
+        f.write_str("The step changes the states of a loop by little more than rounding errors, too little to show a change.")
     } else if motion.shear {
         write!(
             f,
