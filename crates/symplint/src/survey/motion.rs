@@ -60,16 +60,15 @@ impl Motions {
         };
         // Of a loop without an area, infinite or not a number.
         let squared = sum(|plane| &plane.of_changes) / sum(|plane| &plane.of_loop);
-        let moves = self.planes.iter().any(Plane::moves);
         // What moves by rounding alone may be a step of any method.
-        let is_known = self.planes.iter().any(Plane::is_known) || !moves;
+        let is_known = (self.planes.iter()).all(|plane| plane.is_known() || !plane.moves());
         let motion = Motion {
             deformation,
             phase_advance: squared.sqrt(),
             imbalance: (self.planes.iter())
                 .fold(0.0, |most, plane| plane.imbalance(count).max(most)),
             shear: is_known && self.planes.iter().all(|plane| plane.is_sheared(count)),
-            moves,
+            moves: self.planes.iter().any(Plane::moves),
         };
         (motion.deformation.is_finite() && motion.phase_advance.is_finite()).then_some(motion)
     }
@@ -158,12 +157,17 @@ impl Plane {
     }
 
     fn is_sheared(&self, count: f64) -> bool {
-        (0..2).any(|c| {
-            let largest =
-                self.of_loop.extents[c].magnitude() + self.of_changes.extents[c].magnitude();
-            self.of_changes.extents[c].length() <= SAME * UNIT_ROUNDOFF * largest
-                || self.is_rounding(c, count)
-        })
+        (0..2).any(|c| self.keeps_shape(c) || self.is_rounding(c, count))
+    }
+
+    /// Whether a coordinate of all samples changes by the same, to rounding.
+    fn keeps_shape(&self, c: usize) -> bool {
+        self.of_changes.extents[c].length() <= SAME * UNIT_ROUNDOFF * self.largest(c)
+    }
+
+    /// A bound on the values of a coordinate, before and after the step.
+    fn largest(&self, c: usize) -> f64 {
+        self.of_loop.extents[c].magnitude() + self.of_changes.extents[c].magnitude()
     }
 
     /// Whether the changes of a coordinate are small, and scatter from sample to sample.
@@ -174,15 +178,18 @@ impl Plane {
             && self.differences[c] >= LEAST_SCATTER * self.of_changes.squares(c)
     }
 
-    /// Whether one coordinate changes by so much more than rounding that the change of the other would be seen: it deforms, or it
-    /// moves while the other stays to the last bit.
+    /// Whether one coordinate changes by so much more than rounding that the change of the other would be seen: it deforms; or it
+    /// moves while the other stays to the last bit; or both keep their shape and it moves so far that a velocity that changes by its
+    /// own size over the distance to the origin would have deformed it.
     fn is_known(&self) -> bool {
         (0..2).any(|c| {
             let [changes, other] = [c, 1 - c].map(|c| &self.of_changes.extents[c]);
-            let size = self.of_loop.extents[c].length();
+            let (size, largest) = (self.of_loop.extents[c].length(), self.largest(c));
             let deforms = size > 0.0 && changes.length() >= ROUNDING_INSIDE * size;
-            let largest = self.of_loop.extents[c].magnitude() + changes.magnitude();
-            deforms || other.magnitude() == 0.0 && changes.magnitude() >= MAY_BE_ROUNDING * largest
+            let shift = changes.magnitude();
+            let shifted = (0..2).all(|c| self.keeps_shape(c))
+                && shift * size >= MAY_BE_ROUNDING * largest.powi(2);
+            deforms || shifted || other.magnitude() == 0.0 && shift >= MAY_BE_ROUNDING * largest
         })
     }
 
@@ -345,6 +352,10 @@ mod tests {
             let kick = motion([1.0, 1.0], |q, p| (q, p - size * q.sin()));
             let shift = motion([1.0, 1.0], |q, p| (q + size, p));
             assert!(kick.shear && shift.shear, "{size}: {kick:?}, {shift:?}");
+        }
+        for size in [1e-3, 1.0, 1e3] {
+            let translation = motion([size, size], |q, p| (q + 0.1 * size, p - 0.01 * size));
+            assert!(translation.shear, "{size}: {translation:?}");
         }
     }
 

@@ -52,6 +52,29 @@ fn steps_that_change_states_by_rounding_alone_are_undecided() {
     }
 }
 
+/// A kick in one degree of freedom says nothing of the method in another.
+#[test]
+fn a_kick_beside_a_step_of_rounding_is_undecided() {
+    for (h, expected) in [
+        (1e-16, VerdictKind::Undecided),
+        (0.1, VerdictKind::NotSymplectic),
+    ] {
+        let euler = PerSample::new(2, move |h, q: &mut [f64], p: &mut [f64]| {
+            let force = q[1].sin();
+            p[0] -= 0.5 * q[0].powi(3);
+            q[1] += h * p[1];
+            p[1] -= h * force;
+        });
+        let circle = Circle::new(vec![0.0, 1.0], vec![0.3, 0.5], 0.5).unwrap();
+        let diagnostic = Diagnostic {
+            step_sizes: vec![h],
+            ..Diagnostic::default()
+        };
+        let found = diagnostic.run(&euler, &circle).unwrap().verdict;
+        assert_eq!(found.kind, expected, "{h}: {found}");
+    }
+}
+
 /// The Fourier coefficients fall by ten orders in 16 modes, and then stay at the rounding of √(1 + 2δ + …) − 1.
 #[test]
 fn an_analytic_loop_is_not_rough_where_rounding_inside_the_map_ends_the_fall() {
