@@ -45,6 +45,8 @@ pub enum BoundFinding {
     },
     /// The given loop, or every random one, bounds the defect by no more than 1e-6.
     WeakBound {
+        /// Which loop.
+        loop_index: usize,
         /// The bound.
         bound: f64,
         /// The step.
@@ -140,9 +142,16 @@ impl Display for BoundFinding {
                     _ => write!(f, "{name} ({by}) {step}: E is not known."),
                 }
             }
-            BoundFinding::WeakBound { bound, step, .. } => {
-                write!(f, "All that is known {step} is that the change is below {bound:.1e}. A verdict needs a bound of 1e-6.")
-            }
+            BoundFinding::WeakBound {
+                loop_index,
+                bound,
+                step,
+                ..
+            } => write!(
+                f,
+                "All that is known {step} is that the change of {} is below {bound:.1e}. A verdict needs a bound of 1e-6.",
+                loop_name(*loop_index)
+            ),
             BoundFinding::Group {
                 index,
                 of,

@@ -370,6 +370,7 @@ impl Case<'_> {
                 !is_rounded && of_jacobian.is_some_and(|of| SIGNIFICANT * of.noise >= uncertainty);
             let roundoff = step.defect.roundoff > 0.5 * uncertainty || is_noise;
             let because = Finding::Bounds(BoundFinding::WeakBound {
+                loop_index: found.index,
                 bound: step.bound(),
                 step: self.name(found, step),
                 roundoff,

@@ -299,6 +299,7 @@ fn of_findings() {
             text,
             [
                 Finding::Bounds(BoundFinding::WeakBound {
+                    loop_index: usize::from(too_few),
                     bound: 3e-5,
                     step: half,
                     roundoff,
