@@ -141,7 +141,7 @@ fn a_damaged_header_is_refused_and_nothing_is_changed() {
 }
 
 #[test]
-fn a_journal_is_begun_anew_only_where_nobody_writes_to_it() {
+fn a_journal_is_begun_anew_only_if_no_process_writes_to_it() {
     let (_folder, path) = folder();
     let expected = write(&path);
     let other = json!({ "map": "another" });

@@ -81,7 +81,7 @@ fn one_loop_and_one_step_size_fit_into_two_hundred() {
 }
 
 #[test]
-fn too_small_a_budget_is_undecided_and_says_how_many_evaluations_more_would_tell() {
+fn too_small_a_budget_is_undecided_and_the_advice_has_the_missing_evaluations() {
     let report = with_budget("pic-1d", "strang", 400, &["system.degree=2"]);
     let verdict = &report["verdict"];
     assert_eq!(verdict["kind"], "undecided", "{verdict}");

@@ -301,7 +301,7 @@ mod tests {
     }
 
     #[test]
-    fn neighbours_are_so_many_grid_cells_or_half_periods_apart() {
+    fn neighbours_are_compared_with_grid_cells_and_half_periods() {
         let states = |q: [f64; 4]| {
             let mut states = Ensemble::zeros(1, 4);
             states.block().q.row_mut(0).copy_from_slice(&q);

@@ -112,7 +112,7 @@ fn on_its_manifold_rattle_is_symplectic() {
 }
 
 #[test]
-fn without_a_projection_what_leaves_the_manifold_convicts_nobody() {
+fn loops_off_the_manifold_do_not_decide_without_a_projection() {
     for dof in [2, 3] {
         let (rattle, manifold) = (map(dof, rattle), on_rod(dof, rattle));
         let diagnosis = diagnose(&rattle, &manifold);
@@ -144,7 +144,7 @@ fn without_a_projection_what_leaves_the_manifold_convicts_nobody() {
 }
 
 #[test]
-fn a_method_that_is_projected_is_convicted_by_its_own_loop() {
+fn the_given_loop_shows_that_a_projected_method_is_not_symplectic() {
     for dof in [2, 3] {
         let manifold = on_rod(dof, projected_heun);
         let bare = map(dof, projected_heun);
@@ -208,7 +208,7 @@ fn many_constraints() {
 /// For a map that is not singular, a random loop still shows a defect, however strong its friction: here the given loop lies in a
 /// plane that the map keeps.
 #[test]
-fn elsewhere_a_random_loop_convicts() {
+fn a_random_loop_elsewhere_decides_that_a_map_is_not_symplectic() {
     for friction in [0.95, 1e-2, 1e-4] {
         let map = PerSample::new(2, move |h, q, p| {
             for i in 0..2 {

@@ -24,7 +24,7 @@ fn run(map: &dyn TimeAdvance, radius: f64) -> Result<Diagnosis, Error> {
 }
 
 #[test]
-fn the_summary_tells_at_how_many_step_sizes_the_map_failed() {
+fn the_summary_counts_the_step_sizes_at_which_the_map_failed() {
     let fails_above = |limit: f64| {
         step(move |h, q, p| match h > limit {
             true => *q = f64::NAN,

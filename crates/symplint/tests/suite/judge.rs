@@ -342,7 +342,7 @@ fn a_closed_integral_changes_by_more_than_other_curves_could_make() {
 }
 
 #[test]
-fn a_step_that_loses_rank_is_convicted_by_the_given_loop_and_named() {
+fn the_given_loop_decides_on_a_step_that_loses_rank_and_the_cause_is_named() {
     let rank = Rank { rank: 5, of: 6 };
     let mut evidence = of_map(vec![step(0.5, 0.1, 1e-12)]);
     evidence.survey.singular = Some(SingularJacobian {
@@ -366,7 +366,7 @@ fn a_step_that_loses_rank_is_convicted_by_the_given_loop_and_named() {
 }
 
 #[test]
-fn beside_a_leaf_of_a_degenerate_form_nothing_convicts() {
+fn loops_off_the_leaf_of_a_degenerate_form_do_not_decide() {
     let rank = Rank { rank: 2, of: 3 };
     for (given, of_given) in [(1.0, None), (0.0, Some(1e-14))] {
         let mut evidence = of_map(vec![step(0.5, given, 1e-14)]);
@@ -385,7 +385,7 @@ fn beside_a_leaf_of_a_degenerate_form_nothing_convicts() {
 }
 
 #[test]
-fn beside_a_manifold_that_a_map_projects_onto_nothing_convicts() {
+fn loops_off_the_manifold_of_a_projection_do_not_decide() {
     let singular = SingularJacobian {
         s: 0.1,
         smallest: 1e-9,
@@ -431,7 +431,7 @@ fn beside_a_manifold_that_a_map_projects_onto_nothing_convicts() {
 }
 
 #[test]
-fn a_change_at_one_point_of_the_disc_convicts_nobody() {
+fn a_change_at_one_point_of_the_disc_does_not_decide() {
     let mut evidence = of_map(vec![step(0.5, 0.1, 1e-12)]);
     for (area, expected) in [(0.99e-3, Undecided), (1.01e-3, NotSymplectic)] {
         evidence.contraction = Some(Contraction {
@@ -445,7 +445,7 @@ fn a_change_at_one_point_of_the_disc_convicts_nobody() {
 }
 
 #[test]
-fn what_may_lie_outside_the_domain_of_the_map_convicts_nobody() {
+fn states_that_may_be_outside_the_domain_do_not_decide() {
     // Beside a manifold, of which nothing is known.
     let mut evidence = of_map(vec![step(0.5, 0.0, 1e-14)]);
     evidence.loops[1].steps = vec![step(0.5, -1.0, 1e-12)];
@@ -773,7 +773,7 @@ fn no_order_lies_outside_the_local_slopes() {
 }
 
 #[test]
-fn the_jacobian_is_a_witness_of_the_order() {
+fn the_jacobian_supports_the_order() {
     let defect = |signed: f64| TangentDefect {
         s: 0.1,
         signed,
@@ -1257,7 +1257,7 @@ fn evaluations_are_told_where_a_map_was_called() {
 }
 
 #[test]
-fn motion_on_a_loop_that_winds_acquits_nobody() {
+fn motion_on_a_loop_that_winds_is_no_evidence_of_a_symplectic_map() {
     let mut evidence = of_map(vec![step(0.5, 0.0, 1e-15)]);
     evidence.loops[0].steps[0].motion = Some(motion(0.01));
     let mut winding = of_loop(2, LoopKind::Winding, vec![step(0.5, 0.0, 1e-15)]);

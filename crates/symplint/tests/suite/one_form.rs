@@ -218,7 +218,7 @@ fn damped_turns(h: f64, m: &mut [f64], p: &mut [f64]) {
 }
 
 #[test]
-fn a_degenerate_form_convicts_on_its_leaf_only() {
+fn a_degenerate_form_decides_on_its_leaf_only() {
     for (step, kind) in [
         (turns as Step, VerdictKind::Symplectic),
         (damped_turns, VerdictKind::NotSymplectic),

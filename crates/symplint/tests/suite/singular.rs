@@ -41,7 +41,7 @@ fn circle(q0: Vec<f64>) -> Circle {
 }
 
 #[test]
-fn a_closed_kick_round_an_axis_convicts_nobody() {
+fn a_closed_kick_round_an_axis_does_not_decide() {
     for strength in [1.0, 1e-3] {
         let around = verdict(&vortex(strength), &circle(vec![0.1, 0.0]));
         assert_eq!(around.kind, VerdictKind::Undecided, "{around}");
@@ -65,7 +65,7 @@ fn a_closed_kick_round_an_axis_convicts_nobody() {
 }
 
 #[test]
-fn several_axes_convict_nobody_in_any_budget() {
+fn several_axes_do_not_decide_in_any_budget() {
     let two = vortices([[0.4, 0.0, 1.0], [-0.4, 0.1, 0.7]]);
     let opposite = vortices([[0.4, 0.0, 1.0], [-0.4, 0.1, -0.5]]);
     let maps: [&dyn TimeAdvance; 3] = [&vortex(1.0), &two, &opposite];

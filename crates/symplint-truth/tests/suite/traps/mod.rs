@@ -535,7 +535,7 @@ impl Substeps for Counted<'_> {
 }
 
 #[test]
-fn maps_that_round_nothing_are_not_accused_of_it() {
+fn maps_that_do_not_round_are_not_reported_as_rounded() {
     // Exact on a loop of few digits: q of the first is of three decimals, and p of the second, at rest, becomes h q.
     let samples = 64;
     let mut printed = symplint::Ensemble::zeros(2, samples);

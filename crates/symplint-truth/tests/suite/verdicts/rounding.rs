@@ -199,7 +199,7 @@ fn rounded_to(unit: f64) -> impl TimeAdvance {
 /// Loops of a few grains, down to those of which rounding leaves a point: the numbers decide nothing, the advice is to
 /// return more digits, and no evaluations are spent below the floor.
 #[test]
-fn few_levels_in_any_unit_convict_nobody() {
+fn few_levels_in_any_unit_do_not_decide() {
     let degree = std::f64::consts::PI / 180.0;
     for unit in [1e-3, 1e-3 * degree, 1e-3 * 0.0254, 1e-3 / 3.0] {
         let map = rounded_to(unit);
@@ -226,7 +226,7 @@ fn few_levels_in_any_unit_convict_nobody() {
 
 /// Forces in single precision, and single precision that is returned in other units, on loops of any size.
 #[test]
-fn loops_of_a_few_units_of_single_precision_convict_nobody() {
+fn loops_of_a_few_units_of_single_precision_do_not_decide() {
     let degree = std::f64::consts::PI / 180.0;
     let degrees = move |h: f64, q: &mut [f64], p: &mut [f64]| {
         p[0] -= h * q[0].sin();
