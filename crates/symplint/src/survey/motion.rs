@@ -60,15 +60,16 @@ impl Motions {
         };
         // Of a loop without an area, infinite or not a number.
         let squared = sum(|plane| &plane.of_changes) / sum(|plane| &plane.of_loop);
+        let moves = self.planes.iter().any(Plane::moves);
         // What moves by rounding alone may be a step of any method.
-        let is_known = (self.planes.iter()).all(|plane| plane.is_known() || !plane.moves());
+        let is_known = self.planes.iter().any(Plane::is_known) || !moves;
         let motion = Motion {
             deformation,
             phase_advance: squared.sqrt(),
             imbalance: (self.planes.iter())
                 .fold(0.0, |most, plane| plane.imbalance(count).max(most)),
             shear: is_known && self.planes.iter().all(|plane| plane.is_sheared(count)),
-            moves: self.planes.iter().any(Plane::moves),
+            moves,
         };
         (motion.deformation.is_finite() && motion.phase_advance.is_finite()).then_some(motion)
     }
@@ -179,8 +180,8 @@ impl Plane {
     }
 
     /// Whether one coordinate changes by so much more than rounding that the change of the other would be seen: it deforms; or it
-    /// moves while the other stays to the last bit; or both keep their shape and it moves so far that a velocity that changes by its
-    /// own size over the distance to the origin would have deformed it.
+    /// moves while the other stays to the last bit; or neither deforms, though it moves so far that it would deform if its velocity
+    /// doubled over the distance from the loop to the origin.
     fn is_known(&self) -> bool {
         (0..2).any(|c| {
             let [changes, other] = [c, 1 - c].map(|c| &self.of_changes.extents[c]);

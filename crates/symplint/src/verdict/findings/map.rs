@@ -170,7 +170,7 @@ fn moves(f: &mut Formatter<'_>, motion: &Motion, has_step_size: bool) -> Result 
     } else if motion.is_rounding() {
         write!(
             f,
-            "{subject} changes the states by little more than rounding errors."
+            "{subject} deforms the loop by little more than rounding errors."
         )
     } else if motion.shear {
         write!(
@@ -226,7 +226,7 @@ fn little_motion(f: &mut Formatter<'_>, motion: &Motion, group: Option<usize>) -
             false => "The step moved no state of the loop.",
         })
     } else if motion.is_rounding() {
-        f.write_str("The step changes the states of a loop by little more than rounding errors, too little to show a change.")
+        f.write_str("The step deforms a loop by little more than rounding errors, too little to show a change.")
     } else if motion.shear {
         write!(
             f,
