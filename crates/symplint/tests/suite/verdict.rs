@@ -57,9 +57,8 @@ fn steps_that_change_states_by_rounding_alone_are_undecided() {
 fn a_kick_beside_degrees_of_freedom_that_only_round_is_symplectic() {
     const MASS: f64 = 1.1;
     let kick = PerSample::new(3, |h, q: &mut [f64], p: &mut [f64]| {
-        for i in 0..3 {
-            let force = if i == 0 { -q[0] } else { 0.0 };
-            p[i] = (p[i] / MASS + h * force / MASS) * MASS;
+        for (p, force) in p.iter_mut().zip([-q[0], 0.0, 0.0]) {
+            *p = (*p / MASS + h * force / MASS) * MASS;
         }
     });
     let circle = Circle::new(vec![0.3, 0.2, 0.1], vec![0.1, 0.4, 0.2], 1.0).unwrap();
