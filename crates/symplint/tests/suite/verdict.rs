@@ -52,7 +52,7 @@ fn steps_that_change_states_by_rounding_alone_are_undecided() {
     }
 }
 
-/// A kick of velocities, whose momenta are rounded where there is no force.
+/// A kick of velocities: momenta without a force change by rounding alone.
 #[test]
 fn a_kick_beside_degrees_of_freedom_that_only_round_is_symplectic() {
     const MASS: f64 = 1.1;
