@@ -11,7 +11,7 @@ use symplint::{Block, Coordinates, Ensemble, Loop, StepFailure, TimeAdvance};
 use crate::calls::{Call, Caller, call, stopped};
 
 /// Coordinates that are handed to the thread of the user at once, at most: 32 MiB of positions and as many of momenta.
-const MOST_VALUES: usize = 1 << 22;
+const MAX_VALUES: usize = 1 << 22;
 
 /// A map whose step is a Python function.
 pub struct PythonMap<'a> {
@@ -77,7 +77,7 @@ impl TimeAdvance for PythonMap<'_> {
 
     fn capabilities(&self) -> Capabilities<'_> {
         Capabilities {
-            block_width: (MOST_VALUES / self.dof().max(1)).max(1),
+            block_width: (MAX_VALUES / self.dof().max(1)).max(1),
             substeps: (!self.parts.is_empty()).then_some(self),
             tangent: self.has_tangent.then_some(self),
             constraint: self.projection.as_ref().map(|found| found as _),

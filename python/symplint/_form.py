@@ -15,10 +15,10 @@ from ._errors import InputError
 
 
 #: Steps of Newton's method at most. It converges in a few, from states within the size of the loop.
-MOST_STEPS = 50
+MAX_STEPS = 50
 
 #: Moves below this part of the loop that do not shrink are noise of the functions.
-LARGEST_NOISE = 1e-6
+MAX_NOISE = 1e-6
 
 #: The distance of differences in units of the loop. It is large, as the noise of the direction makes loops rough, and a smooth error of
 #: the direction only makes Newton's method take a step more.
@@ -76,7 +76,7 @@ class Leaf:
         found = np.array(z, dtype=float).reshape(-1, self.size.size)
         left: Any = np.isfinite(found).all(axis=1)
         last = np.full(len(found), np.inf)
-        for _ in range(MOST_STEPS):
+        for _ in range(MAX_STEPS):
             if not left.any():
                 break
             rows = found[left]
@@ -95,7 +95,7 @@ class Leaf:
                 found[left] = rows - self.size * moves
             size = np.abs(moves).max(axis=1)
             rounding = 4.0 * np.finfo(float).eps * (np.abs(rows) / self.size).max(axis=1)
-            stagnates = (size > 0.5 * last[left]) & (size < LARGEST_NOISE)
+            stagnates = (size > 0.5 * last[left]) & (size < MAX_NOISE)
             last[left] = size
             left[left] = (size > rounding) & ~stagnates
         found[left] = np.nan

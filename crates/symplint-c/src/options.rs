@@ -300,7 +300,7 @@ impl Settings {
 }
 
 /// Substeps of a step: a number of more digits is not a count, but an error of the caller.
-const MOST_SUBSTEPS: usize = 1_000_000;
+const MAX_SUBSTEPS: usize = 1_000_000;
 
 /// The names of the substeps; none if the step is one whole.
 ///
@@ -311,9 +311,9 @@ unsafe fn substeps(read: &SymplintOptions) -> Result<Vec<String>, Failure> {
         return Ok(Vec::new());
     }
     let count = read.substep_count;
-    if !(1..=MOST_SUBSTEPS).contains(&count) {
+    if !(1..=MAX_SUBSTEPS).contains(&count) {
         return Err(Failure::bad_argument(format!(
-            "substep_count is {count}; give the number of substeps of one step, from 1 to {MOST_SUBSTEPS}"
+            "substep_count is {count}; give the number of substeps of one step, from 1 to {MAX_SUBSTEPS}"
         )));
     }
     let unnamed = |k: usize| format!("part {}", k + 1);

@@ -487,10 +487,11 @@ fn number(text: &str) -> Result<f64, String> {
 /// A whole number, as in a configuration.
 fn whole(text: &str) -> Result<usize, String> {
     /// Doubles represent every whole number up to this one.
-    const MOST: f64 = (1_u64 << 53) as f64;
-    (parse_number(text).filter(|value| value.fract() == 0.0 && (0.0..=MOST).contains(value)))
-        .map(|value| value as usize)
-        .ok_or_else(|| "give a whole number such as 1000, 1e3 or 2^10".to_owned())
+    const MAX_WHOLE_NUMBER: f64 = (1_u64 << 53) as f64;
+    (parse_number(text)
+        .filter(|value| value.fract() == 0.0 && (0.0..=MAX_WHOLE_NUMBER).contains(value)))
+    .map(|value| value as usize)
+    .ok_or_else(|| "give a whole number such as 1000, 1e3 or 2^10".to_owned())
 }
 
 /// A whole number above 0.

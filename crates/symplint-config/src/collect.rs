@@ -10,7 +10,7 @@ use super::error::{ConfigError, Place};
 use super::{diagnostic, integrator, phase_loop, section, system, trace};
 
 /// More errors of a section are not listed. Conventional.
-const MOST: usize = 20;
+const MAX_ERRORS: usize = 20;
 
 /// The errors of a configuration that cannot be read, in their order in the file.
 pub fn errors(mut table: Table, folder: &Path) -> Option<ConfigError> {
@@ -85,7 +85,7 @@ fn all_of<T>(
     read: impl Fn(&Table) -> Result<T, ConfigError>,
 ) -> (Option<T>, Vec<ConfigError>) {
     let mut errors: Vec<ConfigError> = Vec::new();
-    while errors.len() < MOST {
+    while errors.len() < MAX_ERRORS {
         let error = match read(table) {
             Ok(value) => return (Some(value), errors),
             Err(error) => error,

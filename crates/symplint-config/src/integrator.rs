@@ -212,10 +212,10 @@ fn solver(section: &Section, info: &IntegratorInfo) -> Result<StageSolver, Confi
 
 /// When the iteration for the stages stops.
 fn stop(section: &Section) -> Result<Stop, ConfigError> {
-    const MOST: u64 = 1_000_000;
+    const MAX_ITERATIONS: u64 = 1_000_000;
     let tolerance = section.optional_number("tolerance", Accept::NotNegative)?;
     let whole = |key| match section.written_place(key) {
-        Some(_) => section.whole_between(key, 1, MOST).map(Some),
+        Some(_) => section.whole_between(key, 1, MAX_ITERATIONS).map(Some),
         None => Ok(None),
     };
     let (most, exactly) = (whole("max_iterations")?, whole("iterations")?);

@@ -3,7 +3,7 @@
 use std::cell::RefCell;
 
 pub use symplint::request::Accept;
-use symplint::request::{self, MOST_WHOLE, Part, Refused};
+use symplint::request::{self, MAX_WHOLE_NUMBER, Part, Refused};
 
 use super::document::{Node, SETTING, Table, Value};
 use super::error::{ConfigError, Place};
@@ -465,7 +465,7 @@ pub fn read_number(path: &str, node: &Node, accept: Accept) -> Result<f64, Confi
 
 /// Reads a whole number, also one written as a string such as `2^15`.
 pub fn read_whole(path: &str, node: &Node, least: u64) -> Result<u64, ConfigError> {
-    read(path, node, |value| value.whole(least, MOST_WHOLE))
+    read(path, node, |value| value.whole(least, MAX_WHOLE_NUMBER))
 }
 
 /// The error about a value that is refused, or a part of it, at its place.

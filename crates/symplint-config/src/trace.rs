@@ -3,7 +3,7 @@
 use super::document::Node;
 use super::error::ConfigError;
 use super::section::{Accept, Key, Section};
-use symplint::request::MOST_SAMPLES;
+use symplint::request::MAX_SAMPLES;
 
 /// The keys of `[trace]`.
 pub const KEYS: &[Key] = &[
@@ -18,7 +18,7 @@ pub const KEYS: &[Key] = &[
 ];
 
 /// Steps at most: each is a row of the report.
-const MOST_STEPS: u64 = 10_000_000;
+const MAX_STEPS: u64 = 10_000_000;
 
 /// Settings of `trace`.
 pub struct TraceSettings {
@@ -35,7 +35,7 @@ pub struct TraceSettings {
 /// Reads `[trace]`.
 pub fn read(node: Option<&Node>) -> Result<(TraceSettings, Section), ConfigError> {
     let section = Section::new("trace", node, KEYS.to_vec())?;
-    let steps = section.whole_between("steps", 1, MOST_STEPS)?;
+    let steps = section.whole_between("steps", 1, MAX_STEPS)?;
     let mut snapshots = section.optional_wholes("snapshots", 0)?.unwrap_or_default();
     // Defaults beyond the last step are dropped. Those that were written are refused by `trace`.
     if section.written_place("snapshots").is_none() {
@@ -46,7 +46,7 @@ pub fn read(node: Option<&Node>) -> Result<(TraceSettings, Section), ConfigError
     let settings = TraceSettings {
         step_size: section.number("step_size", Accept::Positive)?,
         steps: steps as usize,
-        samples: section.whole_between("samples", 3, MOST_SAMPLES)? as usize,
+        samples: section.whole_between("samples", 3, MAX_SAMPLES)? as usize,
         snapshots: snapshots.into_iter().map(|step| step as usize).collect(),
     };
     Ok((settings, section))

@@ -6,11 +6,11 @@ use symplint::{Circle, Diagnostic, PerSample};
 use crate::expression::{Expression, FUNCTIONS, Misprint};
 
 /// Degrees of freedom of a typed step, at most.
-const MOST_DOF: usize = 4;
+const MAX_DOF: usize = 4;
 
 /// Lines, and characters of a line, at most.
-const MOST_LINES: usize = 60;
-const MOST_LETTERS: usize = 500;
+const MAX_LINES: usize = 60;
+const MAX_LETTERS: usize = 500;
 
 /// Evaluations of the diagnosis, as for the systems of the page.
 const BUDGET: usize = 200_000;
@@ -55,9 +55,9 @@ impl TypedStep {
         if lines().count() == 0 {
             return Err("the step is empty: type lines such as q = q + h*p".into());
         }
-        if lines().count() > MOST_LINES || lines().any(|(_, code)| code.len() > MOST_LETTERS) {
+        if lines().count() > MAX_LINES || lines().any(|(_, code)| code.len() > MAX_LETTERS) {
             return Err(format!(
-                "the step is too long: at most {MOST_LINES} lines of {MOST_LETTERS} characters"
+                "the step is too long: at most {MAX_LINES} lines of {MAX_LETTERS} characters"
             ));
         }
         let dof = dof_of(text)?;
@@ -179,10 +179,10 @@ fn dof_of(text: &str) -> Result<usize, String> {
         Some(_) if has_plain => {
             Err("the names are q and p, or q1, p1, q2, p2 and so on: use one kind".into())
         }
-        Some(dof @ 2..=MOST_DOF) => Ok(dof),
+        Some(dof @ 2..=MAX_DOF) => Ok(dof),
         Some(1) => Err("one position and its momentum are q and p: write q instead of q1".into()),
         Some(dof) => Err(format!(
-            "the step has {dof} degrees of freedom: the page takes up to {MOST_DOF}"
+            "the step has {dof} degrees of freedom: the page takes up to {MAX_DOF}"
         )),
     }
 }

@@ -11,7 +11,7 @@ use crate::numbers;
 use crate::verdicts::{judge_and_write, read_again};
 
 /// Evaluations at most: a diagnosis takes some milliseconds.
-const MOST_EVALUATIONS: usize = 3000;
+const MAX_EVALUATIONS: usize = 3000;
 
 /// Diagnoses a map that the bytes describe. It is not evaluated more often than the budget says, and the report leads to
 /// the same verdict.
@@ -175,7 +175,7 @@ fn diagnostic(u: &mut Unstructured<'_>) -> Result<Diagnostic> {
         },
         closure: *u.choose(&[Closure::Substeps, Closure::Chords])?,
         pieces: u.int_in_range(0..=9)?,
-        most_evaluations: u.int_in_range(0..=2 * MOST_EVALUATIONS)?,
+        most_evaluations: u.int_in_range(0..=2 * MAX_EVALUATIONS)?,
     };
     let streaming = Streaming {
         half_width: u.int_in_range(0..=18)?,
@@ -228,7 +228,7 @@ fn diagnostic(u: &mut Unstructured<'_>) -> Result<Diagnostic> {
             false => None,
         },
         symmetric: u.arbitrary()?,
-        budget: Some(u.int_in_range(0..=MOST_EVALUATIONS)?),
+        budget: Some(u.int_in_range(0..=MAX_EVALUATIONS)?),
         has_step_size: !u.ratio(1, 8)?,
         repeat: match u.ratio(1, 8)? {
             true => u.int_in_range(0..=3)?,

@@ -14,7 +14,7 @@ use crate::seeds;
 use crate::verdicts::judge_and_write;
 
 /// Lists are not made longer than this.
-const LONGEST_LIST: usize = 512;
+const MAX_LIST_LENGTH: usize = 512;
 
 /// Changes real evidence as the bytes say, and judges it.
 pub fn evidence(data: &[u8]) {
@@ -116,7 +116,7 @@ fn change_list(list: &mut Vec<Value>, u: &mut Unstructured<'_>) -> Result<()> {
         3 => list.rotate_left(place),
         _ => {
             let more: Vec<Value> = list.clone();
-            while list.len() + more.len() <= LONGEST_LIST {
+            while list.len() + more.len() <= MAX_LIST_LENGTH {
                 list.extend(more.iter().cloned());
                 if u.ratio(1, 4)? {
                     break;

@@ -264,8 +264,8 @@ mod tests {
     }
 
     fn numbers_of_cells() -> impl Strategy<Value = usize> {
-        const MOST: usize = PeriodicGrid::MAX_CELLS;
-        prop_oneof![1..20_usize, 1..10_000_usize, MOST - 9..=MOST, 1..=MOST]
+        const MAX: usize = PeriodicGrid::MAX_CELLS;
+        prop_oneof![1..20_usize, 1..10_000_usize, MAX - 9..=MAX, 1..=MAX]
     }
 
     fn lengths() -> impl Strategy<Value = f64> {

@@ -13,7 +13,7 @@ use crate::number::in_thousands;
 const WIDTH: usize = 12;
 
 /// A rate is shown after this time: the first evaluations are often slower than the others.
-const LEAST_TIME: Duration = Duration::from_secs(3);
+const MIN_TIME: Duration = Duration::from_secs(3);
 
 /// The rate is measured over the last part of the run, because results of an earlier run arrive first and take no time.
 const PART: u32 = 2;
@@ -85,7 +85,7 @@ impl ProgressLine {
         let &(since, before) = self.noted.front()?;
         let made = finished - before;
         let left = self.progress.left().filter(|&left| left > 0)?;
-        if elapsed < LEAST_TIME || made == 0 {
+        if elapsed < MIN_TIME || made == 0 {
             return None;
         }
         let seconds = now.saturating_duration_since(since).as_secs_f64();

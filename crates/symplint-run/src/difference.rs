@@ -52,9 +52,9 @@ fn is_bare(key: &str) -> bool {
 
 /// A value in a few characters.
 fn short(value: &Value) -> String {
-    const LONGEST: usize = 60;
+    const MAX_LENGTH: usize = 60;
     let text = value.to_string();
-    match text.char_indices().nth(LONGEST) {
+    match text.char_indices().nth(MAX_LENGTH) {
         Some((end, _)) => format!("{} …", &text[..end]),
         None => text,
     }

@@ -137,7 +137,7 @@ pub(crate) fn significant(value: f64) -> String {
 }
 
 /// Digits of a number that people read.
-const MOST_DIGITS: i32 = 8;
+const MAX_DIGITS: i32 = 8;
 
 /// A number that differs from a round one by less than this many times its uncertainty is written as the round one. Conventional.
 const OF_A_ROUND_NUMBER: f64 = 3.0;
@@ -145,7 +145,7 @@ const OF_A_ROUND_NUMBER: f64 = 3.0;
 /// A factor and its uncertainty; one of which fewer than two digits of the change would be left, by its change: `1 − 4.112e-12 ± 3e-15`.
 pub(crate) fn factor(value: f64, uncertainty: f64) -> String {
     let change = value - 1.0;
-    if change == 0.0 || change.abs() >= 10f64.powi(2 - MOST_DIGITS) {
+    if change == 0.0 || change.abs() >= 10f64.powi(2 - MAX_DIGITS) {
         return with_uncertainty(value, uncertainty);
     }
     let sign = if change < 0.0 { '−' } else { '+' };
@@ -167,7 +167,7 @@ pub(crate) fn with_uncertainty(value: f64, uncertainty: f64) -> String {
     // The last digit is the first digit of the error, after rounding.
     let last = exponent(error.parse().unwrap_or(uncertainty));
     let digits = (first - last + 1).max(1);
-    if digits <= MOST_DIGITS {
+    if digits <= MAX_DIGITS {
         let number = match has_exponent {
             true => format!("{value:.*e}", digits as usize - 1),
             false => format!("{value:.*}", (-last).max(0) as usize),
@@ -175,7 +175,7 @@ pub(crate) fn with_uncertainty(value: f64, uncertainty: f64) -> String {
         return format!("{number} ± {error}");
     }
     // A round number, within a few times its error, needs no more digits.
-    let round: f64 = format!("{value:.*e}", MOST_DIGITS as usize - 1)
+    let round: f64 = format!("{value:.*e}", MAX_DIGITS as usize - 1)
         .parse()
         .unwrap_or(value);
     if (round - value).abs() <= OF_A_ROUND_NUMBER * uncertainty.abs() {
@@ -195,8 +195,8 @@ pub(crate) fn with_uncertainty(value: f64, uncertainty: f64) -> String {
         false => (format!("{value:.17}"), String::new()),
     };
     let decimals = match has_exponent {
-        true => MOST_DIGITS - 1,
-        false => MOST_DIGITS - 1 - first,
+        true => MAX_DIGITS - 1,
+        false => MAX_DIGITS - 1 - first,
     };
     let end = number
         .find('.')

@@ -7,7 +7,7 @@ use crate::cli::{self, LoopShape, Shape};
 use crate::failure::Failure;
 
 /// Degrees of freedom at most.
-const MOST_DOF: usize = 1 << 24;
+const MAX_DOF: usize = 1 << 24;
 
 /// Refuses the options that describe a loop where there is a configuration.
 ///
@@ -95,9 +95,9 @@ fn degrees_of_freedom(options: &LoopShape) -> Result<usize, Failure> {
             "neither a configuration nor the number of degrees of freedom is given",
             "name a configuration, or give --dof: symplint loop --dof 3 --radius 0.5 -o before.npz",
         )),
-        dof if dof > MOST_DOF => Err(usage(
+        dof if dof > MAX_DOF => Err(usage(
             format!("--dof {dof} is too large"),
-            format!("give at most {MOST_DOF}"),
+            format!("give at most {MAX_DOF}"),
         )),
         dof => Ok(dof),
     }

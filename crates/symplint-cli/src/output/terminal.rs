@@ -6,7 +6,7 @@ use symplint_report::text;
 use terminal_size::{Width, terminal_size_of};
 
 /// Longer lines are hard to read.
-const WIDEST: usize = 100;
+const MAX_WIDTH: usize = 100;
 
 /// Characters of a line: `COLUMNS` of the environment, or else the width of the terminal, but at most 100.
 /// None where standard output is not a terminal: paragraphs stay on one line each, for `grep` and the like.
@@ -16,7 +16,7 @@ pub fn width() -> Option<usize> {
         .and_then(|text| text.parse().ok());
     let terminal = || terminal_size_of(std::io::stdout()).map(|(Width(width), _)| width.into());
     let width = columns.filter(|&width| width > 0).or_else(terminal);
-    width.map(|width: usize| width.min(WIDEST))
+    width.map(|width: usize| width.min(MAX_WIDTH))
 }
 
 /// A diagnosis with its headline in colour; the headline alone if little is to be shown.

@@ -7,7 +7,7 @@ use symplint_models::Model;
 use symplint_models::systems::PendulumArray;
 
 use super::initial::{Initial, initial};
-use super::{MOST_DOF, STRANG, System, SystemInfo};
+use super::{MAX_DOF, STRANG, System, SystemInfo};
 use crate::ConfigError;
 use crate::section::{Accept, Key, Section};
 
@@ -36,7 +36,7 @@ pub const PENDULUM_ARRAY: SystemInfo = SystemInfo {
 };
 
 fn pendulum_array(section: &Section, folder: &Path) -> Result<System, ConfigError> {
-    let pendula = section.whole_between("pendula", 1, MOST_DOF)? as usize;
+    let pendula = section.whole_between("pendula", 1, MAX_DOF)? as usize;
     let alpha = section.number("alpha", Accept::Finite)?;
     let k = section.number("k", Accept::Finite)?;
     let array =

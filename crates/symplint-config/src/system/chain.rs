@@ -7,7 +7,7 @@ use symplint_models::Model;
 use symplint_models::systems::{Bond, Chain, Ends, FputBond, TodaBond};
 
 use super::initial::{Initial, initial};
-use super::{MOST_DOF, STRANG, System, SystemInfo};
+use super::{MAX_DOF, STRANG, System, SystemInfo};
 use crate::ConfigError;
 use crate::section::{Accept, Key, Section};
 
@@ -64,7 +64,7 @@ fn chain(
     section: &Section,
     folder: &Path,
 ) -> Result<System, ConfigError> {
-    let masses = section.whole_between("masses", 1, MOST_DOF)? as usize;
+    let masses = section.whole_between("masses", 1, MAX_DOF)? as usize;
     let ends = match section.choice("ends", &["fixed", "periodic"])? {
         "periodic" => Ends::Periodic,
         _ => Ends::Fixed,
@@ -73,7 +73,7 @@ fn chain(
     let kinds = (&["mode"][..], &["mode", "amplitude"][..]);
     let (q0, p0) = match initial(section, folder, kinds, masses)? {
         Initial::Named(_) => {
-            let mode = section.whole_between("mode", 1, MOST_DOF)? as usize;
+            let mode = section.whole_between("mode", 1, MAX_DOF)? as usize;
             let amplitude = section.number("amplitude", Accept::Finite)?;
             (chain.mode_shape(mode, amplitude), vec![0.0; masses])
         }

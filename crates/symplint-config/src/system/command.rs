@@ -20,10 +20,10 @@ use crate::section::{Accept, Key, Section};
 const BUDGET: usize = 20_000;
 
 /// Calls at a time, and samples in a file, at most.
-const MOST: u64 = 1 << 20;
+const MAX_COUNT: u64 = 1 << 20;
 
 /// Seconds of one call at most: a year.
-const LONGEST: f64 = 3.2e7;
+const MAX_TIMEOUT: f64 = 3.2e7;
 
 pub const COMMAND: SystemInfo = SystemInfo {
     name: "command",
@@ -127,10 +127,12 @@ pub const COMMAND: SystemInfo = SystemInfo {
 
 fn limits(section: &Section) -> Result<Limits, ConfigError> {
     let count = |key| {
-        let count = section.whole_between(key, 1, MOST)? as usize;
+        let count = section.whole_between(key, 1, MAX_COUNT)? as usize;
         Ok::<_, ConfigError>(NonZero::new(count).unwrap_or(NonZero::<usize>::MIN))
     };
-    let timeout = section.number("timeout", Accept::Positive)?.min(LONGEST);
+    let timeout = section
+        .number("timeout", Accept::Positive)?
+        .min(MAX_TIMEOUT);
     Ok(Limits {
         timeout: Duration::from_secs_f64(timeout),
         workers: count("workers")?,

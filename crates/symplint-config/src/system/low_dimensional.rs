@@ -8,7 +8,7 @@ use symplint_models::systems::{
 };
 use symplint_models::{Model, ModelError, Separable};
 
-use super::{MOST_DOF, STRANG, System, SystemInfo};
+use super::{MAX_DOF, STRANG, System, SystemInfo};
 use crate::ConfigError;
 use crate::section::{Accept, Key, Section};
 
@@ -104,7 +104,7 @@ pub const HARMONIC_OSCILLATOR: SystemInfo = SystemInfo {
     integrator: STRANG,
     budget: None,
     build: |section, _| {
-        let dof = section.whole_between("dof", 1, MOST_DOF)? as usize;
+        let dof = section.whole_between("dof", 1, MAX_DOF)? as usize;
         let omega = section.numbers("omega", dof)?;
         let system = HarmonicOscillator::new(omega).map_err(|e| section.refused_by("omega", &e))?;
         space(section, "harmonic-oscillator", system)

@@ -55,7 +55,7 @@ pub struct SystemInfo {
 const STRANG: &str = "\"strang\"";
 
 /// Degrees of freedom at most.
-pub const MOST_DOF: u64 = 1 << 28;
+pub const MAX_DOF: u64 = 1 << 28;
 
 /// Every system.
 pub const SYSTEMS: &[SystemInfo] = &[

@@ -10,7 +10,7 @@ use symplint_plasma::pic::{
 };
 
 use super::initial::{Initial, initial, refuse_unused};
-use super::{MOST_DOF, STRANG, System, SystemInfo};
+use super::{MAX_DOF, STRANG, System, SystemInfo};
 use crate::ConfigError;
 use crate::section::{Accept, Key, Section};
 
@@ -33,7 +33,7 @@ pub const PIC_2D: SystemInfo = SystemInfo {
 };
 
 /// Filter passes at most: after as many, nothing is left of the field.
-const MOST_PASSES: u64 = 1_000_000;
+const MAX_PASSES: u64 = 1_000_000;
 
 /// The keys; `cells` is the default number of cells along each axis.
 const fn keys(cells: &'static str) -> [Key; 15] {
@@ -192,7 +192,7 @@ fn pic<const D: usize>(
             _ => ShapeFamily::BSpline,
         },
         degree: section.whole("degree", 0)? as usize,
-        filter_passes: section.whole_between("filter", 0, MOST_PASSES)? as u32,
+        filter_passes: section.whole_between("filter", 0, MAX_PASSES)? as u32,
     };
     let pic = Pic::<D>::new(config)
         .map_err(|error| section.refused_by(key_of(section, &error), &error))?;
@@ -207,7 +207,7 @@ fn pic<const D: usize>(
 }
 
 fn weights(section: &Section) -> Result<ParticleWeights, ConfigError> {
-    let particles = section.whole_between("particles", 1, MOST_DOF)? as usize;
+    let particles = section.whole_between("particles", 1, MAX_DOF)? as usize;
     let density = section.number("density", Accept::Positive)?;
     let Some(weights) = section.optional_numbers("weights", Accept::Finite)? else {
         return Ok(ParticleWeights::Equal { particles, density });

@@ -7,7 +7,7 @@ use symplint_plasma::gempic::{Fields, Gempic, GempicConfig, InitialPlasma};
 use symplint_plasma::pic::ParticleWeights;
 
 use super::initial::{Initial, initial};
-use super::{MOST_DOF, STRANG, System, SystemInfo};
+use super::{MAX_DOF, STRANG, System, SystemInfo};
 use crate::ConfigError;
 use crate::section::{Accept, Key, Section};
 
@@ -58,7 +58,7 @@ fn build(section: &Section, folder: &Path) -> Result<System, ConfigError> {
     let chosen = section.choice("fields", &fields)?;
     let fields = Fields::ALL.iter().find(|(name, _)| *name == chosen);
     let cells = section.whole("cells", 1)? as usize;
-    let particles = section.whole_between("particles", 1, MOST_DOF)? as usize;
+    let particles = section.whole_between("particles", 1, MAX_DOF)? as usize;
     let length = section.optional_number("length", Accept::Positive)?;
     // A state from a file must have this length, so the file is read before the box is known.
     let dof = 2 * (particles + cells);

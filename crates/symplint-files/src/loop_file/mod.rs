@@ -39,7 +39,7 @@ pub struct LoopFile {
 }
 
 /// Samples of a loop at least.
-const FEWEST_SAMPLES: usize = 3;
+const MIN_SAMPLES: usize = 3;
 
 /// How a loop is stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -97,10 +97,10 @@ impl LoopFile {
         let format = Format::of(path)?;
         paths_of(path, format).iter().try_for_each(check_regular)?;
         let file = match format {
-            Format::Npz => npz::read(path, FEWEST_SAMPLES),
+            Format::Npz => npz::read(path, MIN_SAMPLES),
             Format::NpyPair => pair::read(path),
             Format::Csv => table::read(path),
-            Format::Plain(numbers) => plain::read(path, numbers, FEWEST_SAMPLES),
+            Format::Plain(numbers) => plain::read(path, numbers, MIN_SAMPLES),
         }?;
         file.check_finite()?;
         Ok(file)

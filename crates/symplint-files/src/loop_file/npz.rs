@@ -15,7 +15,7 @@ const UNPACKED: u64 = 1 << 24;
 
 /// Larger ones may unpack to this multiple of their size in the archive. Samples of a loop hardly shrink: what is forged
 /// to fill the memory reaches a factor of 1000.
-const MOST_SHRUNK: u64 = 100;
+const MAX_COMPRESSION: u64 = 100;
 
 struct Archive<'a> {
     path: &'a Path,
@@ -53,7 +53,7 @@ impl Archive<'_> {
             .by_name(&file)
             .map_err(|error| broken(error.to_string()))?;
         let packed = entry.compressed_size().min(self.bytes);
-        let most = UNPACKED.max(packed.saturating_mul(MOST_SHRUNK));
+        let most = UNPACKED.max(packed.saturating_mul(MAX_COMPRESSION));
         let mut bytes = Vec::new();
         let read = entry.take(most + 1).read_to_end(&mut bytes);
         read.map_err(|error| broken(error.to_string()))?;

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use super::array::{Accept, Array};
-use super::{FEWEST_SAMPLES, LoopFile, LoopFileError};
+use super::{LoopFile, LoopFileError, MIN_SAMPLES};
 
 /// The files of positions and momenta that a name stands for: `loop_q.npy`, `loop_p.npy` or `loop.npy`
 /// for the pair `loop_q.npy` and `loop_p.npy`; `q.npy` or `p.npy` for these two.
@@ -39,7 +39,7 @@ pub fn read(path: &Path) -> Result<LoopFile, LoopFileError> {
         Array::decode(&bytes, Accept::Floats, path, "")
     };
     let (q, p) = pair_of(path);
-    LoopFile::from_arrays(path, &load(&q)?, &load(&p)?, FEWEST_SAMPLES)
+    LoopFile::from_arrays(path, &load(&q)?, &load(&p)?, MIN_SAMPLES)
 }
 
 pub fn write(file: &LoopFile) -> Result<Vec<PathBuf>, LoopFileError> {

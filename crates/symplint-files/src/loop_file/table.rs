@@ -6,7 +6,7 @@ use csv::StringRecord;
 use symplint::Snapshot;
 
 use super::array::Array;
-use super::{FEWEST_SAMPLES, LoopFile, LoopFileError};
+use super::{LoopFile, LoopFileError, MIN_SAMPLES};
 
 /// From this number of digits on, a number is a double.
 const DIGITS_OF_DOUBLE: u32 = 16;
@@ -80,7 +80,7 @@ pub fn read(path: &Path) -> Result<LoopFile, LoopFileError> {
         values,
         single: false,
     };
-    let mut loaded = LoopFile::from_arrays(path, &array(q), &array(p), FEWEST_SAMPLES)?;
+    let mut loaded = LoopFile::from_arrays(path, &array(q), &array(p), MIN_SAMPLES)?;
     loaded.unit_roundoff = match digits {
         DIGITS_OF_DOUBLE.. => Snapshot::DOUBLE,
         _ => {

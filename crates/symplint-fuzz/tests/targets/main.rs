@@ -17,7 +17,7 @@ use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipWriter};
 
 /// Time that an input may take: thousands of times what it takes, and less than an endless loop does.
-const LONGEST: Duration = Duration::from_secs(10);
+const MAX_TIME: Duration = Duration::from_secs(10);
 
 /// Inputs of structured targets, which have no seeds.
 const RANDOM_SEEDS: usize = 24;
@@ -48,7 +48,7 @@ fn run(target: &str, function: fn(&[u8]), input: &[u8]) {
     let start = Instant::now();
     let peak = memory::peak_of(|| function(input));
     let took = start.elapsed();
-    assert!(took < LONGEST, "{target} took {took:?} of {input:?}");
+    assert!(took < MAX_TIME, "{target} took {took:?} of {input:?}");
     let most = allowed(target, input.len());
     assert!(
         peak <= most,

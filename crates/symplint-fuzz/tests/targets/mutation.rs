@@ -32,7 +32,7 @@ const TOKENS: [&[u8]; 24] = [
 ];
 
 /// Longest input.
-const LONGEST: usize = 1 << 17;
+const MAX_LENGTH: usize = 1 << 17;
 
 /// One of the inputs with some changes: bits, cuts, parts of others, repeated parts, tokens.
 pub fn of(inputs: &[Vec<u8>], random: &mut ChaCha8Rng) -> Vec<u8> {
@@ -68,7 +68,7 @@ pub fn of(inputs: &[Vec<u8>], random: &mut ChaCha8Rng) -> Vec<u8> {
             }
         }
     }
-    bytes.truncate(LONGEST);
+    bytes.truncate(MAX_LENGTH);
     bytes
 }
 

@@ -12,7 +12,7 @@ pub const LANES: usize = 8;
 
 /// Arguments up to this are reduced here, by n of at most 20 bits; larger ones are left to the
 /// `libm` crate, one by one.
-pub const LARGEST_REDUCED: f64 = 1_048_576.0;
+pub const MAX_REDUCED: f64 = 1_048_576.0;
 
 /// How a product is added to a number.
 pub trait Arithmetic {
@@ -20,7 +20,7 @@ pub trait Arithmetic {
     fn mul_add(a: f64, b: f64, c: f64) -> f64;
 
     /// y and tail with y + tail = x − n π/2, |tail| far below |y|, for the n next to 2x/π and
-    /// 0 ≤ x ≤ [`LARGEST_REDUCED`].
+    /// 0 ≤ x ≤ [`MAX_REDUCED`].
     fn remainder(x: f64, n: f64) -> (f64, f64);
 }
 
@@ -162,14 +162,14 @@ fn lane<M: Arithmetic>(x: f64) -> (f64, f64) {
 /// Whether all arguments are reduced here: none is large or not a number.
 #[inline(always)]
 fn all_reduced(x: &[f64; LANES]) -> bool {
-    (x.iter()).fold(true, |fine, x| fine & (x.abs() <= LARGEST_REDUCED))
+    (x.iter()).fold(true, |fine, x| fine & (x.abs() <= MAX_REDUCED))
 }
 
 #[cold]
 #[inline(never)]
 fn large_replaced(x: [f64; LANES], out: [f64; LANES], function: fn(f64) -> f64) -> [f64; LANES] {
     std::array::from_fn(|k| {
-        if x[k].abs() <= LARGEST_REDUCED {
+        if x[k].abs() <= MAX_REDUCED {
             out[k]
         } else {
             function(x[k])

@@ -36,7 +36,7 @@ struct At {
 }
 
 /// Newton iterations at most; three are enough for steps that resolve the motion.
-const MOST_ITERATIONS: usize = 30;
+const MAX_ITERATIONS: usize = 30;
 
 impl GuidingCenter {
     /// In a field of b = `field`, g = `gradient` and s = `shear`, with μ = `moment` and ε = `potential`.
@@ -138,7 +138,7 @@ impl NonCanonicalSystem<2> for GuidingCenter {
         let wanted = [0, 1].map(|i| momentum[i] + h * force[i]);
         let mut found = x_and_u;
         let mut last = f64::INFINITY;
-        for _ in 0..MOST_ITERATIONS {
+        for _ in 0..MAX_ITERATIONS {
             let (momentum, [by_x, by_u]) = self.momentum(found);
             let left = [wanted[0] - momentum[0], wanted[1] - momentum[1]];
             let step = solve([[by_x[0], by_u[0]], [by_x[1], by_u[1]]], left);

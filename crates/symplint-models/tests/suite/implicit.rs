@@ -387,7 +387,7 @@ fn solvers_without_meaning_are_refused() {
         error,
         ModelError::TooManyUnknowns {
             unknowns: 100,
-            limit: StageSolver::MOST_UNKNOWNS
+            limit: StageSolver::MAX_UNKNOWNS
         }
     );
 }

@@ -20,7 +20,7 @@ const GROUP: usize = 8;
 const PARTICLES_PER_CELL: usize = 1;
 
 /// Values of all tables of a group at most.
-const MOST_VALUES: usize = 1 << 16;
+const MAX_VALUES: usize = 1 << 16;
 
 /// The parts that a plasma on a line needs for its force, apart from the field solver.
 #[derive(Clone, Debug)]
@@ -141,7 +141,7 @@ impl LineForce {
         p: &mut RowsMut<'_>,
     ) {
         // Tables of a whole group must fit into a cache, and with many cells into memory.
-        let grouped = GROUP * self.polynomials.table_len() <= MOST_VALUES;
+        let grouped = GROUP * self.polynomials.table_len() <= MAX_VALUES;
         let whole = if grouped { q.len() / GROUP * GROUP } else { 0 };
         for first in (0..whole).step_by(GROUP) {
             self.kick_group::<GROUP>(carrier, solver, weights, tau, first, q, p);
@@ -172,7 +172,7 @@ impl LineForce {
             let (tables, work) = buffer.split_at_mut(W * len);
             let mut places = RunPlaces::<W>::new();
             // The places of few particles are kept.
-            let kept = (all.len() <= RunPlaces::<W>::MOST).then(|| {
+            let kept = (all.len() <= RunPlaces::<W>::MAX_PARTICLES).then(|| {
                 self.locator.locate_run(q, first, all.clone(), &mut places);
                 &places
             });

@@ -20,7 +20,7 @@ pub(super) struct PairTable {
 
 impl PairTable {
     /// Particles at most: their places are kept on the stack.
-    const MOST: usize = 64;
+    const MAX_PARTICLES: usize = 64;
 
     /// Whether this is the fastest way to the force.
     pub(super) fn is_faster(particles: usize, polynomials: &CellPolynomials, cells: usize) -> bool {
@@ -28,12 +28,12 @@ impl PairTable {
         /// the cells, at degrees 1 to 3.
         const PRODUCTS_PER_CELL: usize = 5;
         /// Values of a table that stays in a cache.
-        const MOST_VALUES: usize = 1 << 16;
+        const MAX_VALUES: usize = 1 << 16;
         let functions = polynomials.functions();
         let products = particles * particles * functions;
-        particles <= Self::MOST
+        particles <= Self::MAX_PARTICLES
             && products <= PRODUCTS_PER_CELL * cells
-            && functions * polynomials.table_len() <= MOST_VALUES
+            && functions * polynomials.table_len() <= MAX_VALUES
     }
 
     /// On `cells` cells, with the backgrounds of a charge of 1 and of none.
@@ -72,8 +72,8 @@ impl PairTable {
         p: &mut RowsMut<'_>,
     ) {
         let particles = weights.len();
-        let (mut x, mut fractions) = ([0.0; Self::MOST], [0.0; Self::MOST]);
-        let (mut cells, mut moments) = ([0; Self::MOST], [[0.0; N]; Self::MOST]);
+        let (mut x, mut fractions) = ([0.0; Self::MAX_PARTICLES], [0.0; Self::MAX_PARTICLES]);
+        let (mut cells, mut moments) = ([0; Self::MAX_PARTICLES], [[0.0; N]; Self::MAX_PARTICLES]);
         let (x, fractions) = (&mut x[..particles], &mut fractions[..particles]);
         let (cells, moments) = (&mut cells[..particles], &mut moments[..particles]);
         let matrices: &[[[f64; N]; N]] = self.gradients.as_chunks().0.as_chunks().0;

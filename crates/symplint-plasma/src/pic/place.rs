@@ -25,7 +25,7 @@ pub(super) struct RunPlaces<const W: usize> {
 
 impl<const W: usize> RunPlaces<W> {
     /// Particles of a run at most.
-    pub(super) const MOST: usize = RUN / W;
+    pub(super) const MAX_PARTICLES: usize = RUN / W;
 
     pub(super) fn new() -> Self {
         RunPlaces {
@@ -80,8 +80,8 @@ impl Locator {
         mut work: impl FnMut(usize, &RunPlaces<W>),
     ) {
         let mut places = RunPlaces::new();
-        for a in particles.clone().step_by(RunPlaces::<W>::MOST) {
-            let end = particles.end.min(a + RunPlaces::<W>::MOST);
+        for a in particles.clone().step_by(RunPlaces::<W>::MAX_PARTICLES) {
+            let end = particles.end.min(a + RunPlaces::<W>::MAX_PARTICLES);
             self.locate_run(q, first, a..end, &mut places);
             work(a, &places);
         }

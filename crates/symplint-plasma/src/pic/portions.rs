@@ -18,11 +18,11 @@ impl Portions {
     /// For particles that are carried to tables of `table_len` values.
     pub(super) fn new(table_len: usize) -> Self {
         /// Some fifty microseconds, ten times what handing them over costs.
-        const LEAST: usize = 1 << 14;
+        const MIN_PARTICLES: usize = 1 << 14;
         /// So that clearing and adding tables takes little of the time, and little of the memory.
         const PARTICLES_PER_VALUE: usize = 4;
         Portions {
-            least: LEAST.max(PARTICLES_PER_VALUE * table_len),
+            least: MIN_PARTICLES.max(PARTICLES_PER_VALUE * table_len),
         }
     }
 
@@ -76,20 +76,20 @@ impl Portions {
 mod tests {
     use super::*;
 
-    const LEAST: Portions = Portions { least: 3 };
+    const SMALLEST: Portions = Portions { least: 3 };
 
     /// Every particle once, in the order of their numbers, whatever their number.
     #[test]
     fn all_particles_are_in_one_portion_each() {
         for particles in 0..40 {
             let mut numbers = vec![f64::NAN; particles];
-            LEAST.sum(0..particles, &mut numbers, &|portion, table| {
-                assert!(portion.len() < 2 * LEAST.least);
+            SMALLEST.sum(0..particles, &mut numbers, &|portion, table| {
+                assert!(portion.len() < 2 * SMALLEST.least);
                 table.fill(0.0);
                 portion.for_each(|a| table[a] += a as f64);
             });
             let rows = RowsMut::new(&mut numbers, 2 * (particles / 2), 1, 1);
-            LEAST.each::<2>(0..particles / 2, rows, &|portion, mut rows| {
+            SMALLEST.each::<2>(0..particles / 2, rows, &|portion, mut rows| {
                 assert_eq!(rows.count(), 2 * portion.len());
                 for (i, row) in (2 * portion.start..2 * portion.end).enumerate() {
                     assert_eq!(rows.row(i), [row as f64]);
@@ -110,7 +110,7 @@ mod tests {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
             pool.build().unwrap().install(|| {
                 let mut sum = [0.0];
-                LEAST.sum(0..1000, &mut sum, &|portion, sum| {
+                SMALLEST.sum(0..1000, &mut sum, &|portion, sum| {
                     sum[0] = portion.map(|a| (a as f64).sin()).sum();
                 });
                 sum[0]

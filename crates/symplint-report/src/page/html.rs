@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 /// The longest text, in characters, that is never split between lines: it fits on a narrow page.
-const LONGEST_UNBROKEN: usize = 20;
+const MAX_UNBROKEN_LENGTH: usize = 20;
 
 /// A sentence in HTML: exponents are raised, text between backticks is code, and lines do not end within numbers and equations.
 pub(super) fn sentence(text: &str) -> String {
@@ -50,7 +50,7 @@ fn unbroken(text: &str) -> String {
         {
             end += 2;
         }
-        let is_short = |end: usize| visible(&words[first..end].join(" ")) <= LONGEST_UNBROKEN;
+        let is_short = |end: usize| visible(&words[first..end].join(" ")) <= MAX_UNBROKEN_LENGTH;
         // Without the uncertainty, if that makes it short enough.
         while end > first + 1 && !is_short(end) {
             end -= 2;

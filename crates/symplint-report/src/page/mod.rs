@@ -18,7 +18,7 @@ pub use settings::Repeat;
 const STYLE: &str = include_str!("page.css");
 
 /// A longer report as JSON is not repeated in the page, so that it stays below half a megabyte.
-const LONGEST_JSON: usize = 200_000;
+const MAX_JSON_LENGTH: usize = 200_000;
 
 /// The contents of a page.
 pub struct Page<'a> {
@@ -71,7 +71,7 @@ impl Page<'_> {
             if *threads == 1 { "" } else { "s" },
             escaped(processor)
         );
-        let json = match self.json.len() <= LONGEST_JSON {
+        let json = match self.json.len() <= MAX_JSON_LENGTH {
             true => format!("<pre tabindex=\"0\">{}</pre>", escaped(self.json)),
             false => "<p>They are in <code>report.json</code> next to this page.</p>".into(),
         };

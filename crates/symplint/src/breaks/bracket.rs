@@ -1,8 +1,9 @@
 //! Bisection of a jump, and how a jump is distinguished from noise and from a steep stretch.
 
 use super::limits::{
-    AGREES, AROUND_A_ZONE, BETWEEN, CONFIRMING, KEEPS_ITS_SIZE, LOOKS, NARROWEST, NOISES_OF_A_JUMP,
-    PATIENCE, ROUNDINGS_OF_A_STATE, SPACING, STAYS_ON_HALVING,
+    CONFIRMING_STATES, HALVINGS_BEFORE_TEST, MAX_MISMATCH_OF_SIZES, MIN_BRACKET_WIDTH,
+    MIN_JUMP_OVER_NOISE, MIN_PART_ON_HALVING, ROUNDINGS_OF_DISPLACEMENT, SPACING_BESIDE_JUMP,
+    STATES_AROUND_ZONE, STATES_BETWEEN_ZONE_STATES, STATES_OF_LOOKS, WIDTH_OF_CONSTANT_JUMP,
 };
 use crate::state::Block;
 
@@ -59,7 +60,10 @@ impl Bracket {
     /// How often it can be halved at most.
     pub fn most_halvings(&self) -> usize {
         // Once more than if parameters were not rounded.
-        1 + ((self.high - self.low) / NARROWEST).log2().ceil().max(0.0) as usize
+        1 + ((self.high - self.low) / MIN_BRACKET_WIDTH)
+            .log2()
+            .ceil()
+            .max(0.0) as usize
     }
 
     /// The size that the jump should have.
@@ -75,10 +79,10 @@ impl Bracket {
             End::High => self.high = self.middle(),
         }
         self.halvings += 1;
-        if self.high - self.low < KEEPS_ITS_SIZE {
+        if self.high - self.low < WIDTH_OF_CONSTANT_JUMP {
             self.expected = self.expected.max(difference.abs());
         }
-        if self.halvings > PATIENCE && self.is_little(difference) {
+        if self.halvings > HALVINGS_BEFORE_TEST && self.is_little(difference) {
             Progress::Continuous
         } else if self.is_narrow() {
             Progress::Jump
@@ -90,30 +94,30 @@ impl Bracket {
     /// Whether so little is left of the difference of both ends that it is not a jump. Counted modulo a period, that
     /// happens to wraps.
     pub fn is_little(&self, difference: f64) -> bool {
-        difference.abs() < STAYS_ON_HALVING * self.expected
+        difference.abs() < MIN_PART_ON_HALVING * self.expected
     }
 
     /// Whether it can no longer be halved.
     pub fn is_narrow(&self) -> bool {
         let middle = self.middle();
-        self.high - self.low <= NARROWEST || middle <= self.low || middle >= self.high
+        self.high - self.low <= MIN_BRACKET_WIDTH || middle <= self.low || middle >= self.high
     }
 
     /// Parameters of the states next to the bracket that distinguish a jump from noise, on its `end`, from there outwards;
     /// the first is the end itself.
     pub fn beside(&self, end: End) -> impl Iterator<Item = f64> + use<> {
-        (0..CONFIRMING).map(self.outwards(end, SPACING))
+        (0..CONFIRMING_STATES).map(self.outwards(end, SPACING_BESIDE_JUMP))
     }
 
     /// Parameters of states at this `distance` from each other, from its `end` outwards; the first is the end itself.
     pub fn around(&self, end: End, distance: f64) -> impl Iterator<Item = f64> + use<> {
-        (0..AROUND_A_ZONE).map(self.outwards(end, distance))
+        (0..STATES_AROUND_ZONE).map(self.outwards(end, distance))
     }
 
     /// Parameters of states in the middle between those around a zone.
     pub fn between(&self, end: End, distance: f64) -> impl Iterator<Item = f64> + use<> {
         let half = self.outwards(end, 0.5 * distance);
-        (0..BETWEEN).map(move |k| half(3 + 2 * k))
+        (0..STATES_BETWEEN_ZONE_STATES).map(move |k| half(3 + 2 * k))
     }
 
     /// The parameter that is a number of these distances from an end.
@@ -134,7 +138,7 @@ pub(crate) fn stands_out(jump: f64, sides: [&[f64]; 2]) -> bool {
     // Other breaks close by spoil two of five steps at most; at the first look there are two in all.
     let step = |side: &[f64]| median(side.windows(2).map(|x| (x[1] - x[0]).abs()));
     let climb = step(sides[0]).max(step(sides[1]));
-    lasts && jump.abs() > NOISES_OF_A_JUMP * scatter(sides).max(climb)
+    lasts && jump.abs() > MIN_JUMP_OVER_NOISE * scatter(sides).max(climb)
 }
 
 /// How far the values on one side of a `jump` are from those on the other.
@@ -156,7 +160,7 @@ pub(crate) fn displace(block: &mut Block<'_>, sample: usize, pattern: usize) {
             true => block.q.row_mut(c),
             false => block.p.row_mut(c - dof),
         };
-        let size = part * ROUNDINGS_OF_A_STATE * f64::EPSILON * row[sample].abs();
+        let size = part * ROUNDINGS_OF_DISPLACEMENT * f64::EPSILON * row[sample].abs();
         row[sample] += if forward { size } else { -size };
     }
 }
@@ -168,7 +172,7 @@ pub(crate) fn displace(block: &mut Block<'_>, sample: usize, pattern: usize) {
 pub(crate) fn lands_on_a_level(jump: f64, lasting: f64, moved: f64) -> bool {
     let off = |level: f64| (moved.abs() - level.abs()).abs();
     let levels = [0.0, jump, 2.0 * jump, lasting].into_iter();
-    levels.map(off).fold(f64::INFINITY, f64::min) <= AGREES * jump.abs()
+    levels.map(off).fold(f64::INFINITY, f64::min) <= MAX_MISMATCH_OF_SIZES * jump.abs()
 }
 
 /// Whether the values on each side of a `jump`, from its end outwards, are on one level, apart from their slope, and the two levels as far
@@ -176,11 +180,11 @@ pub(crate) fn lands_on_a_level(jump: f64, lasting: f64, moved: f64) -> bool {
 /// look, they may have separate values, as a force that is 0 at its threshold.
 pub(crate) fn keeps_its_levels(jump: f64, sides: [&[f64]; 2]) -> bool {
     let is_level = |side: &&[f64]| {
-        let side = &side[LOOKS[0]..];
+        let side = &side[STATES_OF_LOOKS[0]..];
         let step = (side[side.len() - 1] - side[0]) / (side.len() - 1) as f64;
         let off = |(k, x): (usize, &f64)| (x - side[0] - k as f64 * step).abs();
         let mut values = side.iter().enumerate();
-        values.all(|value| off(value) <= AGREES * jump.abs())
+        values.all(|value| off(value) <= MAX_MISMATCH_OF_SIZES * jump.abs())
     };
     lasting(jump, sides) / jump > 0.5 && sides.iter().all(is_level)
 }
@@ -203,7 +207,7 @@ fn median(values: impl Iterator<Item = f64>) -> f64 {
 /// after it, and no others: rounding decides on which side of a threshold a state is, such as the tolerance at which a
 /// solver stops. Noise has any values.
 pub(crate) fn flickers(jump: f64, sides: [&[f64]; 2]) -> bool {
-    let little = jump.abs() / NOISES_OF_A_JUMP;
+    let little = jump.abs() / MIN_JUMP_OVER_NOISE;
     let is_of_a_level = |side: &[f64], other: f64| {
         let off = |x: &f64| (x - side[0]).abs().min((x - side[0] - other).abs());
         side.iter().all(|x| off(x) < little)
@@ -217,7 +221,7 @@ pub(crate) fn is_between_levels(jump: f64, sides: [&[f64]; 2]) -> bool {
     let third_difference = |x: &[f64]| (x[3] - x[0] - 3.0 * (x[2] - x[1])).abs();
     let differences = sides.iter().flat_map(|side| side.windows(4));
     let largest = differences.map(third_difference).fold(0.0, f64::max);
-    jump.abs() > NOISES_OF_A_JUMP * largest
+    jump.abs() > MIN_JUMP_OVER_NOISE * largest
 }
 
 /// How far the values on the sides of a jump scatter, on the side where they do so more.
@@ -244,8 +248,8 @@ mod tests {
     #[test]
     fn a_jump_stands_out_of_the_steps_beside_it() {
         let line = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0];
-        assert!(!stands_out(NOISES_OF_A_JUMP - 0.1, [&line, &line]));
-        assert!(stands_out(NOISES_OF_A_JUMP + 0.1, [&line, &line]));
+        assert!(!stands_out(MIN_JUMP_OVER_NOISE - 0.1, [&line, &line]));
+        assert!(stands_out(MIN_JUMP_OVER_NOISE + 0.1, [&line, &line]));
         // Other breaks, and a separate value where a force jumps.
         for other in [
             [0.0, 1.0, 1.0, 1.0, 1.0, 1.0],
@@ -290,7 +294,10 @@ mod tests {
             let around: Vec<f64> = bracket.around(end, 1e-3).collect();
             let between: Vec<f64> = bracket.between(end, 1e-3).collect();
             let all = interleaved(&around, &between);
-            assert_eq!(all.len(), AROUND_A_ZONE - 1 + BETWEEN);
+            assert_eq!(
+                all.len(),
+                STATES_AROUND_ZONE - 1 + STATES_BETWEEN_ZONE_STATES
+            );
             let origin = around[0];
             for (k, s) in all.iter().enumerate() {
                 let expected = origin + sign * (1e-3 + 5e-4 * k as f64);
@@ -356,7 +363,7 @@ mod tests {
         for k in 0..10 {
             let mut wrong = side;
             wrong[k] += 1.0;
-            let was_seen = k > 0 && k < LOOKS[0];
+            let was_seen = k > 0 && k < STATES_OF_LOOKS[0];
             assert_eq!(keeps_its_levels(1.0, [&side, &wrong]), was_seen, "{k}");
             assert_eq!(keeps_its_levels(-1.0, [&wrong, &side]), was_seen, "{k}");
         }

@@ -5,7 +5,8 @@ use super::bracket::{
     lands_on_a_level, lasting, stands_out,
 };
 use super::limits::{
-    AROUND_A_ZONE, BETWEEN, CONFIRMING, DISTANCES_AROUND, LOOKS, ROUNDINGS, SAMPLES_OF_SIZE,
+    CONFIRMING_STATES, DISTANCES_FROM_ZONE, MAX_ROUNDINGS_OF_RESIDUAL, SAMPLES_OF_SIZE,
+    STATES_AROUND_ZONE, STATES_BETWEEN_ZONE_STATES, STATES_OF_LOOKS,
 };
 use super::residual::{Coordinate, Suspect};
 use super::{Break, Search, uncertainty_of_position};
@@ -235,10 +236,10 @@ impl Gap<'_> {
             }
             Ok(())
         };
-        for states in LOOKS {
+        for states in STATES_OF_LOOKS {
             look(&mut close, states)?;
             if stands_out(self.jump, [&close[0], &close[1]]) {
-                look(&mut close, CONFIRMING)?;
+                look(&mut close, CONFIRMING_STATES)?;
                 if !self.are_steady(&close)? {
                     return Ok(SideStates::Elsewhere);
                 }
@@ -275,8 +276,10 @@ impl Gap<'_> {
 
     /// Looks farther away, behind a zone next to the gap in which states flicker between its sides.
     fn behind_the_zone(&self, found: Break) -> Result<Search, Error> {
-        for distance in DISTANCES_AROUND {
-            if self.stretch.evaluator.count().left() < 2 * (AROUND_A_ZONE - 1 + BETWEEN) {
+        for distance in DISTANCES_FROM_ZONE {
+            if self.stretch.evaluator.count().left()
+                < 2 * (STATES_AROUND_ZONE - 1 + STATES_BETWEEN_ZONE_STATES)
+            {
                 return Ok(Search::Unaffordable);
             }
             let mut around = self.ends.map(|point| vec![point.value]);
@@ -302,12 +305,12 @@ impl Gap<'_> {
 fn uncertainty(phase_loop: &dyn Loop, dof: usize, jumps: [f64; 2]) -> Result<f64, Error> {
     let states = Ensemble::sample(phase_loop, SAMPLES_OF_SIZE)?;
     let rows = [states.q().row(dof), states.p().row(dof)];
-    let (mut rounding, mut largest) = (ROUNDINGS * UNIT_ROUNDOFF, 0.0f64);
+    let (mut rounding, mut largest) = (MAX_ROUNDINGS_OF_RESIDUAL * UNIT_ROUNDOFF, 0.0f64);
     for (row, jump) in rows.into_iter().zip(jumps) {
         let extent = Extent::of(row);
         if extent.length() > 0.0 {
             let part = extent.magnitude() / extent.length();
-            rounding = rounding.max(ROUNDINGS * UNIT_ROUNDOFF * part);
+            rounding = rounding.max(MAX_ROUNDINGS_OF_RESIDUAL * UNIT_ROUNDOFF * part);
             largest = largest.max(2.0 * jump.abs() / extent.length());
         }
     }

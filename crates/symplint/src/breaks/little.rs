@@ -1,6 +1,6 @@
 //! Jumps that are too small to break a loop.
 
-use super::limits::LEAST_JUMP;
+use super::limits::MIN_RELATIVE_JUMP;
 use super::residual::rounding;
 use super::search::find_jumps;
 use crate::signal::{Extent, UNIT_ROUNDOFF, unwrap_row};
@@ -28,7 +28,7 @@ pub(crate) fn little_jumps(
         row.push(row[0] + gain);
         let increments: Vec<f64> = row.windows(2).map(|q| q[1] - q[0]).collect();
         let floor = rounding(UNIT_ROUNDOFF * extent.magnitude());
-        let little = LEAST_JUMP * extent.length();
+        let little = MIN_RELATIVE_JUMP * extent.length();
         let momenta = samples.p().row(i);
         let jumps = find_jumps(&increments, floor).jumps.into_iter();
         let sizes = jumps

@@ -18,7 +18,8 @@ pub(crate) use bracket::{
     lands_on_a_level, lasting, scatter, stands_out,
 };
 pub(crate) use limits::{
-    AROUND_A_ZONE, BETWEEN, CONFIRMING, DISTANCES_AROUND, LOOKS, REACH_BESIDE,
+    CONFIRMING_STATES, DISTANCES_FROM_ZONE, REACH_OF_CONFIRMATION, STATES_AROUND_ZONE,
+    STATES_BETWEEN_ZONE_STATES, STATES_OF_LOOKS,
 };
 pub(crate) use little::little_jumps;
 pub(crate) use residual::{
@@ -59,20 +60,20 @@ pub struct Break {
 
 /// Calibrated on the truth set: of 2,370 breaks the true errors are at most 0.6 times this part of the roundings that a
 /// state may be off in all.
-const PART_OF_ROUNDING: f64 = 0.05;
+const POSITION_ERROR_IN_ROUNDINGS: f64 = 0.05;
 
 /// How far the rounding of a state, this part of the loop, moves a break whose jump is this part of the size of the loop:
 /// a threshold is met to a rounding of what is compared with it, and if a solver causes the break, this changes by
 /// no more than the jump along the loop. If no solver causes the break, positions are compared, and `jump` is 1.
 pub(crate) fn uncertainty_of_position(rounding: f64, jump: f64) -> f64 {
-    (PART_OF_ROUNDING * rounding / jump.min(1.0)).min(1.0)
+    (POSITION_ERROR_IN_ROUNDINGS * rounding / jump.min(1.0)).min(1.0)
 }
 
 impl Break {
     /// Whether it is more than rounding, where q and p of its degree of freedom have these ranges on the loop.
     pub(crate) fn is_substantial(&self, [range_q, range_p]: [f64; 2]) -> bool {
-        self.jump_q.abs() > limits::LEAST_JUMP * range_q
-            || self.jump_p.abs() > limits::LEAST_JUMP * range_p
+        self.jump_q.abs() > limits::MIN_RELATIVE_JUMP * range_q
+            || self.jump_p.abs() > limits::MIN_RELATIVE_JUMP * range_p
     }
 }
 
@@ -165,7 +166,7 @@ pub(crate) fn follow_up(
     known: Option<&Ensemble>,
 ) -> Result<Search, Error> {
     for suspect in suspects {
-        if evaluator.count().left() < limits::OF_A_SUSPECT {
+        if evaluator.count().left() < limits::MAX_EVALUATIONS_OF_SUSPECT {
             return Ok(Search::Unaffordable);
         }
         let found = follow::follow(evaluator, phase_loop, h, suspect, samples, known)?;

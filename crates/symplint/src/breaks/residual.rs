@@ -6,7 +6,9 @@
 
 use multiversion::multiversion;
 
-use super::limits::{MOST_SUSPECTS, OUTSTANDING, ROUNDINGS, STAYS_IN_WIDE_CELLS};
+use super::limits::{
+    MAX_ROUNDINGS_OF_RESIDUAL, MAX_SUSPECTS, MIN_OUTLIER_DEVIATIONS, MIN_PART_IN_WIDE_CELLS,
+};
 use crate::signal::UNIT_ROUNDOFF;
 
 /// Which coordinate of a degree of freedom.
@@ -32,7 +34,7 @@ pub(crate) struct Suspect {
 impl Suspect {
     /// Whether a jump of this size stands out of the noise.
     pub fn stands_out(&self, jump: f64) -> bool {
-        jump > OUTSTANDING * self.noise
+        jump > MIN_OUTLIER_DEVIATIONS * self.noise
     }
 }
 
@@ -41,7 +43,7 @@ pub(crate) fn most_outstanding(found: &mut Vec<Suspect>) {
     // A stable sort: equals stay in the order of the degrees of freedom.
     let over_noise = |suspect: &Suspect| suspect.size / suspect.noise;
     found.sort_by(|a, b| over_noise(b).total_cmp(&over_noise(a)));
-    found.truncate(MOST_SUSPECTS);
+    found.truncate(MAX_SUSPECTS);
 }
 
 /// Samples that are taken in at once.
@@ -120,7 +122,7 @@ impl Residuals {
             noise: deviation(self.undisturbed, groups),
         };
         let suspicious = self.largest > rounding(UNIT_ROUNDOFF * magnitude)
-            && self.largest > STAYS_IN_WIDE_CELLS * self.largest_wide
+            && self.largest > MIN_PART_IN_WIDE_CELLS * self.largest_wide
             && suspect.stands_out(self.largest);
         suspicious.then_some(suspect)
     }
@@ -164,36 +166,39 @@ fn most(values: &[f64; GROUP]) -> f64 {
 /// Whether a cell of a row that does not wind may look discontinuous: its residual stands out of rounding, and is not smaller than
 /// those of the double cells around it, as [`find_jumps`](super::find_jumps) has it. Residuals below `floor` are rounding.
 pub(super) fn may_jump(row: &[f64], floor: f64) -> bool {
-    let taken = row.len().saturating_sub(AROUND) / GROUP;
-    if any_may_jump(&row[..(taken * GROUP + AROUND).min(row.len())], floor) {
+    let taken = row.len().saturating_sub(REACH_OF_WIDE_CELLS) / GROUP;
+    if any_may_jump(
+        &row[..(taken * GROUP + REACH_OF_WIDE_CELLS).min(row.len())],
+        floor,
+    ) {
         return true;
     }
     // The others go round the end of the row.
-    const ENDS: usize = 3 * GROUP + AROUND;
+    const ENDS: usize = 3 * GROUP + REACH_OF_WIDE_CELLS;
     let ends: [f64; ENDS] = round_end(row, taken * GROUP, 0.0);
     let others = (row.len() - taken * GROUP).div_ceil(GROUP);
-    any_may_jump(&ends[..others * GROUP + AROUND], floor)
+    any_may_jump(&ends[..others * GROUP + REACH_OF_WIDE_CELLS], floor)
 }
 
 /// Samples before those of a group that the double cells around its cells reach, and after them.
-const AROUND: usize = 13;
+const REACH_OF_WIDE_CELLS: usize = 13;
 
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx2", "x86_64+avx2"))]
 fn any_may_jump(row: &[f64], floor: f64) -> bool {
     /// Double cells around each of the cells of a group, and some more.
-    const WIDE: usize = GROUP + 4;
+    const WIDE_CELLS: usize = GROUP + 4;
     // What residuals differ by that are rounded in another order is less than half of the floor.
     let slack = 0.5 * floor;
-    for window in row.windows(GROUP + AROUND).step_by(GROUP) {
-        let Some(x) = window.first_chunk::<{ GROUP + AROUND }>() else {
+    for window in row.windows(GROUP + REACH_OF_WIDE_CELLS).step_by(GROUP) {
+        let Some(x) = window.first_chunk::<{ GROUP + REACH_OF_WIDE_CELLS }>() else {
             return true;
         };
-        let (mut narrow, mut wide) = ([0.0; GROUP], [0.0; WIDE]);
+        let (mut narrow, mut wide) = ([0.0; GROUP], [0.0; WIDE_CELLS]);
         for k in 0..GROUP {
             let at = |ahead: usize| x[k + ahead];
             narrow[k] = residual([at(4), at(5), at(6), at(7), at(8), at(9)]).abs();
         }
-        for k in 0..WIDE - 1 {
+        for k in 0..WIDE_CELLS - 1 {
             let at = |ahead: usize| x[k + ahead];
             wide[k] = residual([at(0), at(2), at(4), at(6), at(8), at(10)]).abs();
         }
@@ -205,7 +210,7 @@ fn any_may_jump(row: &[f64], floor: f64) -> bool {
                 larger(wide[k + 2], wide[k + 3]),
             );
             let stands_out = narrow[k] > slack;
-            let stays = narrow[k] + slack > STAYS_IN_WIDE_CELLS * around;
+            let stays = narrow[k] + slack > MIN_PART_IN_WIDE_CELLS * around;
             jumps |= u64::from(stands_out & stays);
         }
         if jumps != 0 {
@@ -242,11 +247,11 @@ pub(super) fn noise(residuals: &[f64]) -> f64 {
 
 /// Residuals no larger than this are rounding of values below `magnitude`, each by a part `unit_roundoff` of it.
 pub(crate) fn rounding(rounding_error: f64) -> f64 {
-    ROUNDINGS * rounding_error
+    MAX_ROUNDINGS_OF_RESIDUAL * rounding_error
 }
 
 /// Increments on either side that predict that of a cell.
-pub(super) const NEIGHBOURS: usize = 2;
+pub(super) const NEIGHBOURING_INCREMENTS: usize = 2;
 
 /// The step from x_2 to x_3 that the values of polynomials up to the fourth degree do not explain.
 #[inline(always)]
@@ -261,7 +266,7 @@ pub(super) fn of_cell(increments: &[f64], first: usize, width: usize) -> f64 {
 
 /// The residuals of `count` cells that consist of `width` cells from `first` on, from `first` + 1 on, and so forth.
 pub(super) fn of_cells(increments: &[f64], first: usize, count: usize, width: usize) -> Vec<f64> {
-    let reach = NEIGHBOURS * width;
+    let reach = NEIGHBOURING_INCREMENTS * width;
     let n = increments.len();
     let start = (first + reach * n - reach) % n;
     // With what they need beyond the ends, so that nothing is wrapped for a cell.

@@ -5,8 +5,11 @@
 //! on, so that a large jump does not hide a small one. A flagged cell is *confirmed* as a jump if the
 //! step has one size over cells of one, two and four spacings.
 
-use super::limits::{AGREES, APART, FINE, MOST_FLAGGED, OUTSTANDING, STAYS_IN_WIDE_CELLS};
-use super::residual::{NEIGHBOURS, noise, of_cell, of_cells};
+use super::limits::{
+    MAX_FLAGGED_PART, MAX_MISMATCH_OF_SIZES, MAX_RESOLVED_RESIDUAL, MIN_CELLS_BETWEEN_JUMPS,
+    MIN_OUTLIER_DEVIATIONS, MIN_PART_IN_WIDE_CELLS,
+};
+use super::residual::{NEIGHBOURING_INCREMENTS, noise, of_cell, of_cells};
 
 /// A cell in which a coordinate jumps, as far as samples can tell.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -48,7 +51,7 @@ pub(crate) fn find_jumps(increments: &[f64], floor: f64) -> Roughness {
         }
         search.refill();
         let flagged = search.flagged.iter().filter(|&&f| f).count();
-        if flagged as f64 > MOST_FLAGGED * n as f64 {
+        if flagged as f64 > MAX_FLAGGED_PART * n as f64 {
             return Roughness {
                 unresolved: true,
                 ..Roughness::default()
@@ -86,15 +89,15 @@ impl Search<'_> {
     fn flag(&mut self, [narrow, wide]: &[Vec<f64>; 2]) -> bool {
         let n = self.filled.len();
         let noise = noise(narrow);
-        let reach = NEIGHBOURS + 1;
+        let reach = NEIGHBOURING_INCREMENTS + 1;
         let is_jump = |k: usize| {
             let residual = narrow[k];
             // The fewest samples are 3, and the reach is 3.
             let around = (k + 3 * n - reach..=k + 3 * n + reach).map(|j| narrow[j % n]);
             !self.flagged[k]
                 && residual > self.floor
-                && residual > OUTSTANDING * noise
-                && residual > STAYS_IN_WIDE_CELLS * Self::wide_round(wide, k)
+                && residual > MIN_OUTLIER_DEVIATIONS * noise
+                && residual > MIN_PART_IN_WIDE_CELLS * Self::wide_round(wide, k)
                 && residual >= around.fold(0.0, f64::max)
         };
         let found: Vec<usize> = (0..n).filter(|&k| is_jump(k)).collect();
@@ -116,7 +119,7 @@ impl Search<'_> {
             self.filled[k] = left + share * (right - left);
         }
         for k in (0..n).filter(|&k| self.flagged[k]) {
-            if self.is_alone(k, NEIGHBOURS) {
+            if self.is_alone(k, NEIGHBOURING_INCREMENTS) {
                 self.filled[k] -= of_cell(&self.filled, k, 1);
             }
         }
@@ -127,15 +130,15 @@ impl Search<'_> {
         let hidden = (0..n)
             .filter(|&k| {
                 narrow[k] > self.floor
-                    && narrow[k] > STAYS_IN_WIDE_CELLS * Self::wide_round(wide, k)
+                    && narrow[k] > MIN_PART_IN_WIDE_CELLS * Self::wide_round(wide, k)
             })
             .fold(0.0, |m: f64, k| m.max(narrow[k]));
         let mean = |values: &[f64]| values.iter().sum::<f64>() / n as f64;
         let variation: f64 = self.filled.iter().map(|d| d.abs()).sum();
         // Half as many double cells: their sum is what halves, stays or grows.
         let unresolved = mean(narrow) > self.floor
-            && mean(narrow) > FINE * variation
-            && 2.0 * mean(narrow) > STAYS_IN_WIDE_CELLS * mean(wide);
+            && mean(narrow) > MAX_RESOLVED_RESIDUAL * variation
+            && 2.0 * mean(narrow) > MIN_PART_IN_WIDE_CELLS * mean(wide);
         let cells: Vec<usize> = (0..n).filter(|&k| self.flagged[k]).collect();
         let jumps = cells.iter().map(|&k| self.jump(k)).collect();
         Roughness {
@@ -154,12 +157,12 @@ impl Search<'_> {
     /// The step at cell k, looked at with every, every second and every fourth sample.
     fn jump(&mut self, k: usize) -> Jump {
         let n = self.filled.len();
-        let alone = self.is_alone(k, APART);
+        let alone = self.is_alone(k, MIN_CELLS_BETWEEN_JUMPS);
         let smooth = std::mem::replace(&mut self.filled[k], self.raw[k]);
         let size = self.raw[k] - smooth;
         let stays = |width: usize, back: usize| {
             let residual = of_cell(&self.filled, (k + n - back) % n, width);
-            (residual - size).abs() <= AGREES * size.abs()
+            (residual - size).abs() <= MAX_MISMATCH_OF_SIZES * size.abs()
         };
         let confirmed = alone
             && [1, 2, 4]

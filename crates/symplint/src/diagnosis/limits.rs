@@ -10,41 +10,41 @@ pub(super) const DEFAULT_BUDGET: usize = 1_000_000;
 
 /// The smallest budget that a diagnosis can do something with: the checks of the map, one loop at
 /// two step sizes, and a random loop.
-pub(crate) const LEAST_BUDGET: usize = 200;
+pub(crate) const MIN_BUDGET: usize = 200;
 
 /// Loops at most: each is sampled and advanced separately, and listed in the evidence.
-pub const MOST_LOOPS: usize = 10_000;
+pub const MAX_LOOPS: usize = 10_000;
 
 /// Where doubling begins at the latest in one degree of freedom: samples of small systems cost nothing, and features
 /// narrower than a cell of the loop are not resolved.
 pub(super) const FINE_SAMPLES: usize = 1 << 11;
 
 /// Samples that tell whether a map rounds, where more are planned: enough for any smooth loop.
-pub(super) const COARSE: usize = 256;
+pub(super) const SAMPLES_OF_ROUNDING_TEST: usize = 256;
 
 /// Samples from which doubling begins where a map rounds. Derived: with eight step sizes and seven random loops they take
 /// less than 50,000 evaluations; more gain a digit for each hundredfold.
-pub(super) const MOST_ROUNDED: f64 = 2048.0;
+pub(super) const MAX_FIRST_SAMPLES_OF_ROUNDED_MAP: f64 = 2048.0;
 
 /// The part of the evaluations made so far that the blocks of a defect may take. Conventional: they name its cause.
 pub(super) const BLOCKS_PART: usize = 2;
 
 /// Degrees of freedom up to which blocks are measured. Derived: the brackets of all coordinates take less than a second then.
-pub(super) const MOST_OF_BLOCKS: usize = 200;
+pub(super) const MAX_DOF_OF_BLOCKS: usize = 200;
 
 /// The part of the evaluations made so far that a second step size of the Jacobian may take.
 pub(super) const DECAY_PART: usize = 15;
 
 /// A defect of the Jacobian that is expected to be this many times the smallest one that its method attributes to a map is
 /// known to a few per cent.
-pub(super) const CLEAR_OF_METHOD: f64 = 100.0;
+pub(super) const MIN_DEFECT_OVER_METHOD: f64 = 100.0;
 
 /// The part of the budget that the first samples of all loops and step sizes take.
-pub(super) const FIRST_PART: usize = 3;
+pub(super) const FIRST_SAMPLES_PART: usize = 3;
 
 /// The part of the budget that samples of one loop may take, where their number is given; fewer are taken if it
 /// is more.
-pub(super) const FIXED_PART: usize = 4;
+pub(super) const GIVEN_SAMPLES_PART: usize = 4;
 
 /// The part of a tight budget that equispaced samples of the given loop may take: what they do not resolve then is
 /// cheaper by pieces.
@@ -52,10 +52,10 @@ pub(super) const TIGHT_SAMPLES_PART: usize = 16;
 
 /// The part of a budget that is kept while the given loop is resolved: a second step size or a random loop may
 /// fit into it where samples were enough.
-pub(super) const KEPT_PART: usize = 8;
+pub(super) const RESERVED_PART: usize = 8;
 
 /// Budgets below this are tight: every evaluation is counted on.
-pub(super) const TIGHT: usize = 20_000;
+pub(super) const TIGHT_BUDGET: usize = 20_000;
 
 /// States that are advanced again at the beginning: eight find a state that samples share, or an order that
 /// matters; a tight budget, or states so large that few fit into memory, have four.
@@ -63,19 +63,19 @@ pub(super) const PURITY_SAMPLES: [usize; 2] = [4, 16];
 
 /// States that are taken out of the largest batch of a loop and advanced again, at most: a batch of eight has another order and
 /// other neighbours.
-pub(super) const MOST_WITNESSES: usize = 8;
+pub(super) const MAX_WITNESSES: usize = 8;
 
 /// Evaluations of the budget for each of these states: all of them take about 2% of a budget.
-pub(super) const BUDGET_OF_A_WITNESS: usize = 250;
+pub(super) const BUDGET_PER_WITNESS: usize = 250;
 
 /// The part of a budget that the Jacobian may take at most, in a small budget.
 pub(super) const JACOBIAN_PART: usize = 5;
 
 /// Evaluations that the Jacobian may take in a small budget: two points in two degrees of freedom. Conventional.
-pub(super) const JACOBIAN_OF_FEW: usize = 200;
+pub(super) const JACOBIAN_OF_SMALL_BUDGET: usize = 200;
 
 /// The part of a budget that the Jacobian may take at most, if that is more.
-pub(super) const JACOBIAN_PART_OF_MANY: usize = 20;
+pub(super) const JACOBIAN_PART_OF_LARGE_BUDGET: usize = 20;
 
 /// The part of a budget that the test of steps back may take at most, if it was not asked for: smaller budgets leave it out.
 pub(super) const STRUCTURE_PART: usize = 50;
@@ -85,14 +85,14 @@ pub(super) const DOMAIN_PART: usize = 10;
 
 /// Evaluations that contracting a loop takes, about: twelve halvings of the disc, of which the boundaries come near to
 /// one or two singular points.
-pub(super) const CONTRACTION: usize = 6_000;
+pub(super) const EVALUATIONS_OF_CONTRACTION: usize = 6_000;
 
 /// Coordinates that the map advances for the Jacobian at most: in many degrees of freedom fewer tangent vectors have
 /// to do.
-pub(super) const MOST_JACOBIAN: usize = 1 << 19;
+pub(super) const MAX_JACOBIAN_COORDINATES: usize = 1 << 19;
 
 /// Evaluations that the Jacobian may take in any number of degrees of freedom: some pairs at two points.
-pub(super) const FEWEST_JACOBIAN: usize = 400;
+pub(super) const MIN_JACOBIAN_EVALUATIONS: usize = 400;
 
 /// The tolerance of the piecewise rule in a tight budget: integrals to about nine digits for fewer evaluations.
 /// Calibrated on the test `cubic_particles_are_symplectic_to_eight_digits_on_a_budget` in `symplint-cli`.
@@ -103,146 +103,146 @@ pub(super) const TIGHT_TOLERANCE: f64 = 1e-9;
 /// Sobolev exponents of loops with kinks: more than the ½ of a jump, for which there is a separate search, and so few
 /// that no analytic loop has them. Derived: a kink has 3/2, and estimates are
 /// good to 0.2 (tests in `pseudospectral/regularity.rs`).
-pub(super) const LEAST_KINKED: f64 = 1.0;
+pub(super) const MIN_EXPONENT_OF_KINKS: f64 = 1.0;
 
 /// The other end of the range. Derived: analytic loops have 6 and more (as above).
-pub(super) const MOST_KINKED: f64 = 4.5;
+pub(super) const MAX_EXPONENT_OF_KINKS: f64 = 4.5;
 
 /// Exponents from N and 2N samples that differ by less are taken for one.
-pub(super) const AGREEMENT: f64 = 0.1;
+pub(super) const MAX_DIFFERENCE_OF_EXPONENTS: f64 = 0.1;
 
 /// An expected error this many times the wanted one is reason to leave equispaced samples early: one digit.
-pub(super) const FAR_FROM_WANTED: f64 = 10.0;
+pub(super) const MAX_MISS_OF_TOLERANCE: f64 = 10.0;
 
 /// Coordinates that the piecewise rule may have the map advance for one loop integral, if the user did not choose that
 /// rule.
-pub(super) const MOST_TRIED: usize = 1 << 25;
+pub(super) const MAX_PIECEWISE_COORDINATES: usize = 1 << 25;
 
 /// Fewer evaluations than this are not worth beginning pieces with: a first look and one break.
-pub(super) const FEWEST_TRIED: usize = 150;
+pub(super) const MIN_PIECEWISE_EVALUATIONS: usize = 150;
 
 /// Coordinates that the map may be made to advance for one loop integral of the streaming rule, if the user did not give
 /// the number of samples: a thousand samples in a million degrees of freedom.
-pub(super) const MOST_STREAMED: usize = 1 << 30;
+pub(super) const MAX_STREAMED_COORDINATES: usize = 1 << 30;
 
 // Convergence.
 
 /// A quadrature error of this size is as good as round-off.
-pub(super) const ENOUGH: f64 = 1e-14;
+pub(super) const MAX_RESOLVED_ERROR: f64 = 1e-14;
 
 /// Twice the samples that gain less than this factor are limited by noise: smooth loops gain far more,
 /// kinked ones 4 or more, jumps 2, noise of the states √2.
-pub(super) const STALLED: f64 = 1.7;
+pub(super) const MAX_GAIN_OF_NOISE: f64 = 1.7;
 
 /// Twice the samples that gain less than this factor may have met a feature with one sample: between the 2 of its part of the sum
 /// and the 4 of kinks.
-pub(super) const OF_SPIKES: f64 = 3.0;
+pub(super) const MAX_GAIN_OF_SPIKES: f64 = 3.0;
 
 /// An estimate of the quadrature error that is at most this multiple of what rounding of the samples makes of an
 /// integral is of rounding alone. Calibrated: pendula in single precision and with three to nine decimals have 0.3 to 3.
-pub(super) const OF_ROUNDING: f64 = 8.0;
+pub(super) const MAX_ERROR_IN_ROUNDINGS: f64 = 8.0;
 
 /// Above this an error that does not fall is not yet noise: the loop is steep somewhere.
-pub(super) const LARGEST_NOISE: f64 = 1e-5;
+pub(super) const MAX_NOISE: f64 = 1e-5;
 
 // Features that samples do not resolve.
 
 /// A feature exceeds the median along the loop by this factor: the largest of 65,536 normally distributed values exceeds it by
 /// less than 7, and rounding, whose unit changes by factors of two along the loop, by as much again.
-pub(super) const FEATURE_OF_MEDIAN: f64 = 32.0;
+pub(super) const MIN_FEATURE_OVER_MEDIAN: f64 = 32.0;
 
 /// A feature exceeds the rounding of its coordinate by this factor.
-pub(super) const FEATURE_OF_ROUNDING: f64 = 256.0;
+pub(super) const MIN_FEATURE_OVER_ROUNDING: f64 = 256.0;
 
 /// Features at which the Jacobian is tested, those of different loops first. Conventional.
-pub(super) const MOST_FEATURES: usize = 3;
+pub(super) const MAX_FEATURES: usize = 3;
 
 /// States for the Jacobian at a feature are displaced by this part of what they are elsewhere: by 1e-4 of the size of the loop at most, the
 /// width of the narrowest strips that samples meet now and then. Rounding leaves 10 digits of the differences there.
-pub(super) const OF_A_FEATURE: f64 = 1e-3;
+pub(super) const DISPLACEMENT_AT_FEATURE: f64 = 1e-3;
 
 /// A part of the samples that resolve a loop shows where it is roughest after a step, as its upper modes are not yet lost in rounding then.
-pub(super) const PART_OF_SAMPLES: usize = 4;
+pub(super) const ROUGHNESS_PART_OF_SAMPLES: usize = 4;
 
 /// Distance of states that share a feature with one of them: far below the width of a feature that matters, and so small that the
 /// curvature of the loop, (2π)² of the square, is below 1e-12.
-pub(super) const BESIDE_FEATURE: f64 = 1e-7;
+pub(super) const DISTANCE_BESIDE_FEATURE: f64 = 1e-7;
 
 // Evaluations that are missing.
 
 /// Samples that miss the grid may miss the steepest slopes: neighbours are taken to be this many times as far apart as
 /// they are, with samples up to the number in the same row. Calibrated: cubic and quadratic particle-in-cell plasmas and
 /// interpolated pendula, as the test `following_the_advice_decides` has them.
-pub(super) const STEEPER: [(usize, f64); 3] = [(32, 4.0), (64, 2.0), (usize::MAX, 1.25)];
+pub(super) const SLOPE_MARGINS: [(usize, f64); 3] = [(32, 4.0), (64, 2.0), (usize::MAX, 1.25)];
 
 /// Where samples resolve the grid of the map and the bound is weak: two doublings, which gain two digits at kinks and
 /// more on smooth loops.
-pub(super) const TWO_DOUBLINGS: f64 = 4.0;
+pub(super) const FACTOR_OF_TWO_DOUBLINGS: f64 = 4.0;
 
 /// Neighbours that a step of a continuous map moves apart by more than this factor are at a break, which pieces find:
 /// it needs no more samples. Calibrated: the steepest of the plasmas has 8.1.
-pub(super) const STRETCHED: f64 = 12.0;
+pub(super) const MAX_STRETCH_WITHOUT_BREAK: f64 = 12.0;
 
 /// A budget in which pieces resolve a loop with kinks or steep slopes, and the Jacobian and random loops have their
 /// parts. Calibrated: one loop takes up to 900 evaluations.
-pub(super) const OF_PIECES: usize = 2_000;
+pub(super) const BUDGET_OF_PIECES: usize = 2_000;
 
 // Many steps.
 
 /// A quadrature error above this part of the largest defect so far ends the trace.
-pub(super) const RESOLVED_DEFECT: f64 = 0.1;
+pub(super) const MAX_ERROR_OVER_DEFECT: f64 = 0.1;
 
 /// Quadrature errors below this are good enough, however small the defects are.
-pub(super) const FINE_DEFECT: f64 = 1e-12;
+pub(super) const SUFFICIENT_ERROR: f64 = 1e-12;
 
 /// A loop folds: what one step resolves, many do not. Samples of a loop of one degree of freedom at least.
-pub(super) const FOLDED: usize = 1 << 13;
+pub(super) const MIN_SAMPLES_OF_FOLDED_LOOP: usize = 1 << 13;
 
 // Memory.
 
 /// Memory of the largest ensemble that is chosen without being asked for; samples before and after a step make two of
 /// them.
-pub(super) const MOST_BYTES: usize = 512 << 20;
+pub(super) const MAX_BYTES: usize = 512 << 20;
 
 // Steps back.
 
 /// States that a step and a step back should return, in a tight budget, or if few states fit into memory, and in others.
 /// Conventional.
-pub(super) const STATES_OF_A_RETURN: [usize; 2] = [2, 16];
+pub(super) const STATES_OF_RETURN: [usize; 2] = [2, 16];
 
 /// Those of them that are moved by a rounding and tested once more.
 pub(super) const STATES_OF_ROUNDING: [usize; 2] = [2, 4];
 
 /// Step sizes below the largest one at which the change of the energy is measured. Conventional: the third step from the largest one is
 /// small enough for the order of most methods.
-pub(super) const SIZES_OF_ENERGY: usize = 4;
+pub(super) const STEP_SIZES_OF_ENERGY: usize = 4;
 
 // Step sizes.
 
 /// The step size with which a map is called that has none.
-pub(super) const ONLY_STEP: f64 = 1.0;
+pub(super) const STEP_SIZE_OF_MAP: f64 = 1.0;
 
 /// The phase advance of the motions on the loop by the largest step size, in radians, to a factor of two: the defects of
 /// methods that are not symplectic are large there, and methods still work.
-pub(super) const PHASE_ADVANCE: f64 = 1.0;
+pub(super) const WANTED_PHASE_ADVANCE: f64 = 1.0;
 
 /// Step sizes that are tried for it. Conventional: from any size two or three are enough where the map works, and
 /// failures halve the way back.
-pub(super) const SCALINGS: usize = 12;
+pub(super) const MAX_TRIED_STEP_SIZES: usize = 12;
 
 /// Samples that are advanced for each: an emittance needs three.
-pub(super) const LOOKED_AT: usize = 8;
+pub(super) const SAMPLES_PER_STEP_SIZE: usize = 8;
 
 /// Step sizes, each half of the one before: an order needs some that are clear of round-off.
-pub(super) const HALVINGS: i32 = 8;
+pub(super) const DEFAULT_STEP_SIZES: i32 = 8;
 
 // Beyond the given loop and step sizes.
 
 /// The factor between the sizes of larger loops. Conventional: two octaves.
-pub(super) const LARGER: f64 = 4.0;
+pub(super) const FACTOR_OF_LARGER_LOOPS: f64 = 4.0;
 
 /// Larger loops at most. Conventional: up to 64 times the radii of the given loop.
-pub(super) const MOST_LARGER: usize = 3;
+pub(super) const MAX_LARGER_LOOPS: usize = 3;
 
 /// A larger step that breaks its loop is halved at most this number of times. Conventional: from a radian to a thirtieth of one.
-pub(super) const MOST_HALVINGS: usize = 6;
+pub(super) const MAX_HALVINGS_OF_LARGER_STEP: usize = 6;

@@ -3,7 +3,7 @@
 use super::checks::Runner;
 use std::sync::Arc;
 
-use super::limits::{LEAST_BUDGET, MOST_LOOPS, ONLY_STEP};
+use super::limits::{MAX_LOOPS, MIN_BUDGET, STEP_SIZE_OF_MAP};
 use super::plan;
 use super::step_sizes::step_sizes;
 use super::{Diagnostic, Event, Progress};
@@ -51,9 +51,11 @@ impl Diagnostic {
         watch: &dyn Fn(Event<'_>),
         repeat: usize,
     ) -> Result<Evidence, Error> {
-        if !self.has_step_size && (self.step_sizes != [ONLY_STEP] || self.typical_step.is_some()) {
+        if !self.has_step_size
+            && (self.step_sizes != [STEP_SIZE_OF_MAP] || self.typical_step.is_some())
+        {
             let only = Diagnostic {
-                step_sizes: vec![ONLY_STEP],
+                step_sizes: vec![STEP_SIZE_OF_MAP],
                 typical_step: None,
                 ..self.clone()
             };
@@ -61,14 +63,14 @@ impl Diagnostic {
         }
         check_step_sizes(self)?;
         let budget = self.budget.unwrap_or_else(|| plan::default_budget(self));
-        if budget < LEAST_BUDGET {
+        if budget < MIN_BUDGET {
             return Err(Error::OutOfRange {
                 what: "budget of evaluations",
                 value: budget as f64,
                 remedy: "give 200 or more",
             });
         }
-        if !(1..=MOST_LOOPS).contains(&self.loops) {
+        if !(1..=MAX_LOOPS).contains(&self.loops) {
             return Err(Error::OutOfRange {
                 what: "number of loops",
                 value: self.loops as f64,
@@ -130,7 +132,7 @@ impl Diagnostic {
             budget: Some(budget / self.repeat),
             ..self.clone()
         };
-        if budget / self.repeat < LEAST_BUDGET {
+        if budget / self.repeat < MIN_BUDGET {
             return Err(Error::OutOfRange {
                 what: "budget of evaluations",
                 value: budget as f64,

@@ -7,14 +7,17 @@
 
 use super::checks::constraint::singular_cost;
 use super::checks::memory::cost_again;
-use super::limits::{CONTRACTION, DOMAIN_PART, OF_PIECES, STEEPER, STRETCHED, TWO_DOUBLINGS};
+use super::limits::{
+    BUDGET_OF_PIECES, DOMAIN_PART, EVALUATIONS_OF_CONTRACTION, FACTOR_OF_TWO_DOUBLINGS,
+    MAX_STRETCH_WITHOUT_BREAK, SLOPE_MARGINS,
+};
 use super::plan::Plan;
 use super::{Diagnostic, SampleCount};
 use crate::error::Error;
 use crate::evidence::{
-    Check, Evidence, LoopEvidence, MOST_CELLS_APART, StepEvidence, WEAKEST_BOUND,
+    Check, Evidence, LoopEvidence, MAX_BOUND, MAX_CELLS_BETWEEN_SAMPLES, StepEvidence,
 };
-use crate::loops::MOST_SAMPLES;
+use crate::loops::MAX_SAMPLES;
 use crate::rules::{Rule, Subject, cells_apart};
 use crate::state::Ensemble;
 
@@ -39,7 +42,7 @@ impl Diagnostic {
         let fewer = matches!(self.samples, SampleCount::Fixed(asked) if given < asked);
         let limited = fewer || self.plan(subject, budget).is_tight();
         // Further samples do not resolve a map whose own rounding exceeds the bound that a verdict needs.
-        let drowned = |step: &StepEvidence| step.defect.roundoff > WEAKEST_BOUND;
+        let drowned = |step: &StepEvidence| step.defect.roundoff > MAX_BOUND;
         let unresolved = |step: &StepEvidence| {
             let is_weak = !step.is_bounded() || step.is_unexplained();
             step.misses_the_grid() || limited && is_weak && !drowned(step)
@@ -51,7 +54,7 @@ impl Diagnostic {
         let needed = match samples {
             0 => None,
             _ if samples > given => self.least_budget(subject, evidence, samples),
-            _ => Some(OF_PIECES.max(2 * budget)),
+            _ => Some(BUDGET_OF_PIECES.max(2 * budget)),
         };
         Ok(needed.map_or(beside, |needed| needed.saturating_sub(budget).max(beside)))
     }
@@ -93,7 +96,7 @@ impl Diagnostic {
                 false => low = middle,
             }
         }
-        Some(high.max(OF_PIECES)).filter(|_| samples <= MOST_SAMPLES)
+        Some(high.max(BUDGET_OF_PIECES)).filter(|_| samples <= MAX_SAMPLES)
     }
 }
 
@@ -110,7 +113,7 @@ fn budget_for_domain(dof: usize, evidence: &Evidence) -> usize {
     let manifold = singular_cost(dof);
     if evidence.missing(Check::Contraction) > 0 {
         let of_more = 2 * evidence.evaluations.budget;
-        (DOMAIN_PART * (manifold + CONTRACTION)).max(of_more)
+        (DOMAIN_PART * (manifold + EVALUATIONS_OF_CONTRACTION)).max(of_more)
     } else if evidence.missing(Check::Constraint) > 0 {
         DOMAIN_PART * manifold
     } else {
@@ -125,18 +128,18 @@ fn resolving(
     step: &StepEvidence,
 ) -> Result<usize, Error> {
     let steeper = match step.misses_the_grid() {
-        true => (STEEPER.iter()).find(|(samples, _)| found.samples <= *samples),
+        true => (SLOPE_MARGINS.iter()).find(|(samples, _)| found.samples <= *samples),
         false => None,
     };
-    let steeper = steeper.map_or(TWO_DOUBLINGS, |(_, factor)| *factor);
+    let steeper = steeper.map_or(FACTOR_OF_TWO_DOUBLINGS, |(_, factor)| *factor);
     let mut apart = steeper * step.cells_apart;
     // Pieces that resolve a step would have found its breaks.
     if !step.is_bounded() {
         let before = Ensemble::sample(subject.phase_loop, found.samples)?;
-        apart = apart.min(STRETCHED * cells_apart(&before, subject.coordinates()));
+        apart = apart.min(MAX_STRETCH_WITHOUT_BREAK * cells_apart(&before, subject.coordinates()));
     }
-    let finer = (apart / MOST_CELLS_APART)
+    let finer = (apart / MAX_CELLS_BETWEEN_SAMPLES)
         .ceil()
-        .clamp(1.0, MOST_SAMPLES as f64) as usize;
+        .clamp(1.0, MAX_SAMPLES as f64) as usize;
     Ok(found.samples.saturating_mul(finer.next_power_of_two()))
 }

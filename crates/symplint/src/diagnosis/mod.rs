@@ -9,8 +9,8 @@ mod progress;
 mod resolve;
 mod step_sizes;
 
-pub(crate) use limits::LEAST_BUDGET;
-pub use limits::MOST_LOOPS;
+pub use limits::MAX_LOOPS;
+pub(crate) use limits::MIN_BUDGET;
 pub use progress::Progress;
 
 use std::sync::Arc;
@@ -77,7 +77,7 @@ pub struct Diagnostic {
     pub typical_step: Option<f64>,
     /// An optional sweep over the number of samples.
     pub sample_sweep: Option<SampleSweep>,
-    /// Loops in all, [`MOST_LOOPS`] at most: the given one, and random ones of its size round its centre that are tried at
+    /// Loops in all, [`MAX_LOOPS`] at most: the given one, and random ones of its size round its centre that are tried at
     /// the largest step size; the first of them that shows a defect is tried at all. One
     /// loop is one probe, and a symmetric one hides terms of lower order. If there are two or more, and
     /// a position has a period, another random loop winds round it.

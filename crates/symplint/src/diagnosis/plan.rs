@@ -1,13 +1,14 @@
 //! How a budget of evaluations is spent.
 
 use super::limits::{
-    BUDGET_OF_A_WITNESS, CONTRACTION, DEFAULT_BUDGET, DOMAIN_PART, FEWEST_JACOBIAN, FINE_SAMPLES,
-    FIRST_PART, FIXED_PART, FOLDED, JACOBIAN_OF_FEW, JACOBIAN_PART, JACOBIAN_PART_OF_MANY,
-    MOST_BYTES, MOST_JACOBIAN, MOST_WITNESSES, PURITY_SAMPLES, TIGHT, TIGHT_SAMPLES_PART,
-    TIGHT_TOLERANCE,
+    BUDGET_PER_WITNESS, DEFAULT_BUDGET, DOMAIN_PART, EVALUATIONS_OF_CONTRACTION, FINE_SAMPLES,
+    FIRST_SAMPLES_PART, GIVEN_SAMPLES_PART, JACOBIAN_OF_SMALL_BUDGET, JACOBIAN_PART,
+    JACOBIAN_PART_OF_LARGE_BUDGET, MAX_BYTES, MAX_JACOBIAN_COORDINATES, MAX_WITNESSES,
+    MIN_JACOBIAN_EVALUATIONS, MIN_SAMPLES_OF_FOLDED_LOOP, PURITY_SAMPLES, TIGHT_BUDGET,
+    TIGHT_SAMPLES_PART, TIGHT_TOLERANCE,
 };
 use super::{Diagnostic, SampleCount};
-use crate::evidence::FEWEST_SAMPLES;
+use crate::evidence::MIN_SAMPLES;
 use crate::jacobian::JacobianTest;
 use crate::loops::FEW_SAMPLES;
 use crate::map::Evaluator;
@@ -21,8 +22,8 @@ pub(super) fn default_budget(diagnostic: &Diagnostic) -> usize {
         SampleCount::Auto => 0,
     };
     let of_each_step = match diagnostic.samples {
-        SampleCount::Fixed(samples) => samples.max(FOLDED),
-        SampleCount::Auto => FOLDED,
+        SampleCount::Fixed(samples) => samples.max(MIN_SAMPLES_OF_FOLDED_LOOP),
+        SampleCount::Auto => MIN_SAMPLES_OF_FOLDED_LOOP,
     };
     let of_long_time = diagnostic.long_time.saturating_mul(of_each_step);
     let of_sweep = (diagnostic.sample_sweep.iter()).flat_map(|sweep| &sweep.counts);
@@ -59,31 +60,32 @@ impl Plan {
     ) -> Self {
         let dof = evaluator.dof();
         let measurements = diagnostic.step_sizes.len() + diagnostic.loops;
-        let share = power_below(budget / (FIRST_PART * measurements.max(1)));
+        let share = power_below(budget / (FIRST_SAMPLES_PART * measurements.max(1)));
         let fine = power_below(FINE_SAMPLES / dof.max(1)).max(FEW_SAMPLES);
-        let tight = budget < TIGHT;
+        let tight = budget < TIGHT_BUDGET;
         let ample = usize::from(!tight && fits(dof, FEW_SAMPLES));
         Plan {
             first_samples: match diagnostic.samples {
-                SampleCount::Fixed(samples) if samples <= budget / FIXED_PART => samples,
-                SampleCount::Fixed(samples) => power_below(samples).min(share.max(FEWEST_SAMPLES)),
-                SampleCount::Auto => share.clamp(FEWEST_SAMPLES, fine),
+                SampleCount::Fixed(samples) if samples <= budget / GIVEN_SAMPLES_PART => samples,
+                SampleCount::Fixed(samples) => power_below(samples).min(share.max(MIN_SAMPLES)),
+                SampleCount::Auto => share.clamp(MIN_SAMPLES, fine),
             },
             purity_samples: PURITY_SAMPLES[ample],
             witnesses: match fits(dof, FEW_SAMPLES) {
-                true => (budget / BUDGET_OF_A_WITNESS).clamp(1, MOST_WITNESSES),
+                true => (budget / BUDGET_PER_WITNESS).clamp(1, MAX_WITNESSES),
                 false => 1,
             },
             jacobian: match diagnostic.jacobian {
                 true => {
                     let all = JacobianTest::default().evaluations(dof, evaluator.has_tangent());
-                    let most = (MOST_JACOBIAN / dof.max(1)).max(FEWEST_JACOBIAN);
-                    let part = JACOBIAN_OF_FEW.max(budget / JACOBIAN_PART_OF_MANY);
+                    let most =
+                        (MAX_JACOBIAN_COORDINATES / dof.max(1)).max(MIN_JACOBIAN_EVALUATIONS);
+                    let part = JACOBIAN_OF_SMALL_BUDGET.max(budget / JACOBIAN_PART_OF_LARGE_BUDGET);
                     all.min(most).min(budget / JACOBIAN_PART).min(part)
                 }
                 false => 0,
             },
-            domain: (of_manifold + CONTRACTION).min(budget / DOMAIN_PART),
+            domain: (of_manifold + EVALUATIONS_OF_CONTRACTION).min(budget / DOMAIN_PART),
             tolerance: if tight { TIGHT_TOLERANCE } else { 0.0 },
         }
     }
@@ -123,5 +125,5 @@ pub(super) fn power_below(count: usize) -> usize {
 
 /// Whether an ensemble of this number of samples may be made if the user did not ask for it.
 pub(super) fn fits(dof: usize, samples: usize) -> bool {
-    samples.saturating_mul(dof) <= MOST_BYTES / 16
+    samples.saturating_mul(dof) <= MAX_BYTES / 16
 }

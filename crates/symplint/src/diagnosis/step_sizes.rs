@@ -1,6 +1,8 @@
 //! Step sizes that test something, from a typical one.
 
-use super::limits::{HALVINGS, LOOKED_AT, PHASE_ADVANCE, SCALINGS};
+use super::limits::{
+    DEFAULT_STEP_SIZES, MAX_TRIED_STEP_SIZES, SAMPLES_PER_STEP_SIZE, WANTED_PHASE_ADVANCE,
+};
 use crate::error::Error;
 use crate::evidence::Motion;
 use crate::rules::Subject;
@@ -18,7 +20,7 @@ pub(super) fn step_sizes(subject: Subject<'_>, typical: f64) -> Result<Vec<f64>,
     let mut failure = None;
     // The smallest exponent at which the map failed.
     let mut fails = i32::MAX;
-    for _ in 0..SCALINGS {
+    for _ in 0..MAX_TRIED_STEP_SIZES {
         let h = typical * 2f64.powi(exponent);
         let next = match motion(subject, h) {
             Ok(motion) => {
@@ -29,7 +31,10 @@ pub(super) fn step_sizes(subject: Subject<'_>, typical: f64) -> Result<Vec<f64>,
                     break;
                 }
                 // θ grows with h as long as it is small.
-                let by = (PHASE_ADVANCE / theta).log2().floor().clamp(-8.0, 8.0);
+                let by = (WANTED_PHASE_ADVANCE / theta)
+                    .log2()
+                    .floor()
+                    .clamp(-8.0, 8.0);
                 exponent + by as i32
             }
             Err(error) if error.is_of_map() => {
@@ -52,14 +57,14 @@ pub(super) fn step_sizes(subject: Subject<'_>, typical: f64) -> Result<Vec<f64>,
             break;
         }
     }
-    let moderate = |&&(_, theta): &&(i32, f64)| theta <= PHASE_ADVANCE;
+    let moderate = |&&(_, theta): &&(i32, f64)| theta <= WANTED_PHASE_ADVANCE;
     let largest = (tried.iter().filter(moderate).max_by_key(|(k, _)| *k))
         .or_else(|| tried.iter().min_by_key(|(k, _)| *k));
     match (largest, failure) {
         (None, Some(error)) => Err(error),
         (found, _) => {
             let largest = found.map_or(0, |(k, _)| *k);
-            Ok((0..HALVINGS)
+            Ok((0..DEFAULT_STEP_SIZES)
                 .map(|k| typical * 2f64.powi(largest - k))
                 .filter(|h| h.is_normal())
                 .collect())
@@ -69,7 +74,7 @@ pub(super) fn step_sizes(subject: Subject<'_>, typical: f64) -> Result<Vec<f64>,
 
 /// How a step moves a few samples of the loop.
 fn motion(subject: Subject<'_>, h: f64) -> Result<Option<Motion>, Error> {
-    let before = Ensemble::sample(subject.phase_loop, LOOKED_AT)?;
+    let before = Ensemble::sample(subject.phase_loop, SAMPLES_PER_STEP_SIZE)?;
     let mut after = before.clone();
     subject.evaluator.advance(&mut after, h)?;
     Ok(survey::motion(&before, &after, subject.coordinates()))

@@ -20,7 +20,7 @@ pub use checks::{Check, Evaluations, Omission, Why};
 pub use localisation::{Contraction, Localisation, Sector, SubstepDefect};
 pub use long_time::{EnergyInTime, LongTime, LoopAtStep};
 pub(crate) use motion::{
-    LEAST_DEFORMATION, LEAST_PHASE_ADVANCE, MAY_BE_ROUNDING, defect_of_order_4,
+    MAX_ROUNDING_CHANGE, MIN_DEFORMATION, MIN_PHASE_ADVANCE, defect_of_order_4,
 };
 pub use motion::{Motion, Reach};
 pub use picture::LoopPicture;
@@ -28,7 +28,7 @@ pub use point::{BreakAt, Point, Sweep};
 pub use preserved_form::{DigitsOfMatrix, FormEntry, FormOnLoop, PreservedForm};
 pub(crate) use preserved_form::{monomial, uncertain_part};
 pub use step::{Closing, JumpingCells, StepEvidence, Wrap};
-pub(crate) use step::{MOST_CELLS_APART, UNEXPLAINED, WEAKEST_BOUND};
+pub(crate) use step::{MAX_BOUND, MAX_CELLS_BETWEEN_SAMPLES, UNEXPLAINED};
 pub use structure::{EnergyAtStep, EnergyChange, ReturnDefect, StructureEvidence};
 pub use survey::{
     HeldCoordinate, OutputFormat, OutputPrecision, Rank, Scatter, ScatterKind, SingularJacobian,
@@ -42,13 +42,13 @@ use crate::jacobian::{JacobianDecay, JacobianEvidence};
 use crate::rules::RuleKind;
 
 /// Fewer samples than this do not show whether a loop is smooth.
-pub(crate) const FEWEST_SAMPLES: usize = 32;
+pub(crate) const MIN_SAMPLES: usize = 32;
 
 /// Step sizes at which a loop has a significant defect, at least, if its defect is to show how it depends on h.
-pub(crate) const FEWEST_OF_A_LAW: usize = 3;
+pub(crate) const MIN_STEP_SIZES_OF_LAW: usize = 3;
 
 /// The largest of these step sizes over the smallest, at least. Two halvings, with room for step sizes that are rounded.
-pub(crate) const NARROWEST_RANGE: f64 = 3.9;
+pub(crate) const MIN_RANGE_OF_LAW: f64 = 3.9;
 
 /// All measurements of one map, or of loops that another code advanced.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

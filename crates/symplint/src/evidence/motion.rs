@@ -8,19 +8,19 @@ use crate::signal::SIGNIFICANT;
 /// A step that advances the motions on its loops by less than this, in radians, tests nothing. The defect of a method of
 /// order 4 has to stand clear of the bound on the defect, too: [`defect_of_order_4`]. Methods of order 8 and more need
 /// steps of a radian to show one; the findings tell θ.
-pub(crate) const LEAST_PHASE_ADVANCE: f64 = 0.05;
+pub(crate) const MIN_PHASE_ADVANCE: f64 = 0.05;
 
 /// A kick or a free flight alone, or a Jacobian, that deforms a loop, or tangent vectors, by less than this part of
 /// their size tests nothing. Calibrated on the truth table: explicit midpoint and Heun steps of all its systems show
 /// a defect from 0.2 on.
-pub(crate) const LEAST_DEFORMATION: f64 = 0.2;
+pub(crate) const MIN_DEFORMATION: f64 = 0.2;
 
 /// Changes below this part of the values may be rounding errors of the map alone. Conventional: four digits more than one rounding.
-pub(crate) const MAY_BE_ROUNDING: f64 = 1e-12;
+pub(crate) const MAX_ROUNDING_CHANGE: f64 = 1e-12;
 
 /// Motions that grow by no more than this factor do not depend on the step size, which is at least four times as large.
 /// Conventional.
-const MOST_INDEPENDENT: f64 = 2.0;
+const MAX_GROWTH_WITHOUT_STEP_SIZE: f64 = 2.0;
 
 /// The defect of Runge and Kutta's method of order 4 on a harmonic oscillator, |R(iθ)|² − 1 = −θ^6/72 + ….
 pub(crate) fn defect_of_order_4(phase_advance: f64) -> f64 {
@@ -62,15 +62,15 @@ pub struct Motion {
 impl Motion {
     /// Whether all changes may be rounding errors.
     pub(crate) fn is_rounding(&self) -> bool {
-        !self.shear && self.deformation < MAY_BE_ROUNDING
+        !self.shear && self.deformation < MAX_ROUNDING_CHANGE
     }
 
     /// Whether a method that is not symplectic would show a defect above this bound.
     pub(crate) fn tests(&self, bound: f64) -> bool {
         match self.shear {
-            true => self.deformation >= LEAST_DEFORMATION,
+            true => self.deformation >= MIN_DEFORMATION,
             false => {
-                self.phase_advance >= LEAST_PHASE_ADVANCE
+                self.phase_advance >= MIN_PHASE_ADVANCE
                     && defect_of_order_4(self.phase_advance) >= bound
             }
         }
@@ -131,7 +131,7 @@ impl Reach {
     /// this motion is; or moves no more than this: then the map is not an approximation that gets worse with h.
     pub(crate) fn settles(&self, motion: Motion) -> bool {
         let shows = |moved: Motion| match moved.shear {
-            true => moved.deformation >= LEAST_DEFORMATION,
+            true => moved.deformation >= MIN_DEFORMATION,
             false => defect_of_order_4(moved.phase_advance) >= SIGNIFICANT * self.step.bound(),
         };
         (self.step.motion).is_some_and(|moved| {
@@ -141,7 +141,7 @@ impl Reach {
 
     /// Whether the loop moves more than by this motion.
     pub(crate) fn is_further(&self, motion: Motion) -> bool {
-        let far = |moved: f64, before: f64| moved > MOST_INDEPENDENT * before;
+        let far = |moved: f64, before: f64| moved > MAX_GROWTH_WITHOUT_STEP_SIZE * before;
         (self.step.motion).is_none_or(|moved| match (motion.shear, moved.shear) {
             (true, true) => far(moved.deformation, motion.deformation),
             (false, true) => true,

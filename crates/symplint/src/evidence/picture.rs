@@ -19,7 +19,7 @@ pub struct LoopPicture {
 
 impl LoopPicture {
     /// Samples at most: more only make files large.
-    const MOST_SAMPLES: usize = 1024;
+    const MAX_SAMPLES: usize = 1024;
 
     /// Makes a picture of an ensemble before a step and the same ensemble after it.
     pub(crate) fn of(
@@ -56,7 +56,7 @@ impl LoopPicture {
     /// The samples of an ensemble that a picture shows.
     pub(crate) fn shown(ensemble: &Ensemble) -> Ensemble {
         let affordable = SMALL_MEMORY / (32 * ensemble.dof().max(1));
-        ensemble.thinned(affordable.clamp(1, Self::MOST_SAMPLES))
+        ensemble.thinned(affordable.clamp(1, Self::MAX_SAMPLES))
     }
 
     /// Makes a picture from samples `after` a step, which [`shown`](Self::shown) took from this number of equispaced samples of a loop.

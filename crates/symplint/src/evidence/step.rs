@@ -98,11 +98,11 @@ pub(crate) const UNEXPLAINED: f64 = 3.0;
 
 /// Samples further apart than this many cells of the map's grid, or half periods, do not resolve them: what
 /// they show is not the map. Nyquist's limit: two samples to a cell.
-pub(crate) const MOST_CELLS_APART: f64 = 0.5;
+pub(crate) const MAX_CELLS_BETWEEN_SAMPLES: f64 = 0.5;
 
 /// A bound on the defect above this is too weak to call a map symplectic. Conventional: single precision
 /// gives bounds of 1e-7 and should pass.
-pub(crate) const WEAKEST_BOUND: f64 = 1e-6;
+pub(crate) const MAX_BOUND: f64 = 1e-6;
 
 impl Closing {
     /// Whether the closed integral changes, however the breaks are closed: what other curves than straight segments could
@@ -117,7 +117,7 @@ impl Closing {
 impl StepEvidence {
     /// Whether the samples are too far apart to resolve the grid of the map, or a period.
     pub fn misses_the_grid(&self) -> bool {
-        self.cells_apart > MOST_CELLS_APART
+        self.cells_apart > MAX_CELLS_BETWEEN_SAMPLES
     }
 
     /// Whether the defect is significant.
@@ -138,6 +138,6 @@ impl StepEvidence {
     /// Whether it bounds the defect well enough to call a map symplectic.
     pub fn is_bounded(&self) -> bool {
         // Not `bound > …`: a bound that is not a number is not valid.
-        matches!(self.bound(), 0.0..=WEAKEST_BOUND)
+        matches!(self.bound(), 0.0..=MAX_BOUND)
     }
 }

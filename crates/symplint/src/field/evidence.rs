@@ -4,7 +4,7 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use super::limits::{LEAST_CURL, LOOSEST_TOLERANCE};
+use super::limits::{MAX_CURL_OF_SOLVER, MIN_CURL};
 use crate::signal::SIGNIFICANT;
 
 /// The kind of function under test.
@@ -101,7 +101,7 @@ impl LoopWork {
 
     /// Whether the integral is not zero, but for what rounded constants of the force make of it.
     pub(super) fn is_clear(&self) -> bool {
-        self.integral.abs() > SIGNIFICANT * self.error() && self.relative() > LEAST_CURL
+        self.integral.abs() > SIGNIFICANT * self.error() && self.relative() > MIN_CURL
     }
 
     /// The integral over the scale.
@@ -195,7 +195,7 @@ impl FieldEvidence {
     /// Whether some loop integral is not zero, but all are as small as an iteration that stops at a tolerance leaves them.
     pub(super) fn is_small(&self) -> bool {
         let mut clear = self.loops.iter().filter(|work| work.is_clear()).peekable();
-        clear.peek().is_some() && clear.all(|work| work.relative() < LOOSEST_TOLERANCE)
+        clear.peek().is_some() && clear.all(|work| work.relative() < MAX_CURL_OF_SOLVER)
     }
 }
 

@@ -4,7 +4,7 @@
 //! that follows works with these numbers, and does not depend on how many degrees of freedom there are.
 
 use super::FieldKind;
-use super::limits::VALUES_AT_ONCE;
+use super::limits::MAX_VALUES_PER_CALL;
 use crate::error::{Error, StateAt};
 use crate::loops::{FourierLoop, Loop};
 use crate::map::Evaluator;
@@ -126,7 +126,7 @@ impl Integrand<'_> {
         mut moments: Option<&mut Moments>,
     ) -> Result<Vec<f64>, Error> {
         let dof = phase_loop.dof();
-        let at_once = (VALUES_AT_ONCE / (2 * dof).max(1)).max(1);
+        let at_once = (MAX_VALUES_PER_CALL / (2 * dof).max(1)).max(1);
         let mut power = Vec::with_capacity(s.len());
         for s in s.chunks(at_once) {
             Ensemble::check_size(dof, s.len())?;

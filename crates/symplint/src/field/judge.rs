@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::evidence::{FieldEvidence, FieldKind, LoopKind, LoopWork};
 use super::limits::{
-    ALLOWANCE_OF_ONE_LOOP, FEWEST_DIGITS, LARGEST_OF_SOLVER, LOOSEST_TOLERANCE, OF_JUMPS,
+    ALLOWANCE_OF_ONE_LOOP, MAX_CURL_OF_SOLVER, MAX_CURL_OVER_JUMPS, MAX_JUMP_OF_SOLVER, MIN_DIGITS,
 };
 
 /// The answer.
@@ -140,7 +140,10 @@ fn unless_of_solver(evidence: &FieldEvidence, index: usize, otherwise: Certainty
     let relative = evidence.loops[index].relative();
     match () {
         () if !evidence.is_small() => otherwise,
-        () if jumps > 0.0 && jumps < LARGEST_OF_SOLVER && relative <= OF_JUMPS * jumps => {
+        () if jumps > 0.0
+            && jumps < MAX_JUMP_OF_SOLVER
+            && relative <= MAX_CURL_OVER_JUMPS * jumps =>
+        {
             Certainty::Tolerance(index)
         }
         () if !evidence.is_searched && jumps == 0.0 => Certainty::Small(index),
@@ -154,7 +157,7 @@ fn judge(evidence: &FieldEvidence) -> (Certainty, Option<f64>) {
     let certainty = |work: &LoopWork| work.integral.abs() / work.error();
     let one_position = evidence.kind == FieldKind::Force && evidence.moving == 1;
     // Results that differ for the same state may be anything.
-    let differs = evidence.repetitions > 10_f64.powf(-FEWEST_DIGITS);
+    let differs = evidence.repetitions > 10_f64.powf(-MIN_DIGITS);
     let significant = || loops().filter(|(_, work)| work.is_clear() && !winds(work));
     // A loop without jumps is the best witness.
     let smooth = significant().filter(|(_, work)| work.jumps.is_none() && !work.is_steep);
@@ -171,7 +174,7 @@ fn judge(evidence: &FieldEvidence) -> (Certainty, Option<f64>) {
             () if one_position => Certainty::NoFunction(index),
             () if differs => Certainty::Repetitions,
             () if evidence.loops[index].is_steep => Certainty::Steep(index),
-            () if evidence.jumps() < LOOSEST_TOLERANCE => Certainty::Tolerance(index),
+            () if evidence.jumps() < MAX_CURL_OF_SOLVER => Certainty::Tolerance(index),
             () => Certainty::WorkAcrossJumps(index),
         };
         return (found, None);
@@ -188,7 +191,7 @@ fn judge(evidence: &FieldEvidence) -> (Certainty, Option<f64>) {
         return (Certainty::Repetitions, None);
     }
     let contractible = || loops().filter(|(_, work)| work.kind == LoopKind::Random);
-    let enough = |bound: f64| bound <= 10_f64.powf(-FEWEST_DIGITS);
+    let enough = |bound: f64| bound <= 10_f64.powf(-MIN_DIGITS);
     let of_periods = around().map(|(_, work)| work.bound()).fold(0.0, f64::max);
     if contractible().all(|(_, work)| work.is_constant) && enough(of_periods) {
         return (Certainty::Constant, None);

@@ -3,14 +3,15 @@
 use super::evidence::{FieldEvidence, FieldKind, LoopKind, LoopWork, Omitted};
 use super::integrand::Integrand;
 use super::limits::{
-    FACTORS_FOR_SOLVERS, FIRST_OF_PAIR, FIRST_SAMPLES, LEAST_FOR_SOLVERS, MOST_FOR_SOLVERS,
-    MOST_OF_ONE_POSITION, MOST_WINDING, OF_A_LOOP, RANDOM_PAIRS, SAME_RATE, SEARCHED_FOR_SOLVERS,
+    EVALUATIONS_PER_LOOP, FACTORS_OF_SOLVER_LOOPS, FIRST_SAMPLES, FIRST_SAMPLES_OF_PAIR,
+    MAX_DIFFERENCE_OF_RATES, MAX_SAMPLES_OF_ONE_POSITION, MAX_SAMPLES_OF_SOLVER_LOOP,
+    MAX_WINDING_LOOPS, MIN_EVALUATIONS_OF_SOLVER_LOOP, RANDOM_PAIRS, SOLVER_LOOPS,
 };
 use super::noise;
 use super::pairs::Pairs;
 use super::work::{Integration, Known, Limits};
 use crate::error::Error;
-use crate::loops::{FourierLoop, MOST_SAMPLES};
+use crate::loops::{FourierLoop, MAX_SAMPLES};
 use crate::map::states_at;
 use crate::signal::parameter;
 
@@ -100,10 +101,10 @@ impl Measurement<'_> {
         let mut periods: Vec<usize> = (0..coordinates.dof())
             .filter(|&i| coordinates.period(i) > 0.0)
             .collect();
-        if periods.len() > MOST_WINDING {
-            let count = periods.len() - MOST_WINDING;
+        if periods.len() > MAX_WINDING_LOOPS {
+            let count = periods.len() - MAX_WINDING_LOOPS;
             evidence.omitted.push(Omitted::Periods { count });
-            periods.truncate(MOST_WINDING);
+            periods.truncate(MAX_WINDING_LOOPS);
         }
         periods
     }
@@ -112,14 +113,14 @@ impl Measurement<'_> {
     fn kept_for_pairs(&self) -> usize {
         match self.integrand.moving() {
             1 => 0,
-            _ => (2 * FIRST_OF_PAIR * RANDOM_PAIRS).min(self.left() / 3),
+            _ => (2 * FIRST_SAMPLES_OF_PAIR * RANDOM_PAIRS).min(self.left() / 3),
         }
     }
 
     /// How many random loops the budget allows.
     fn affordable(&self, evidence: &mut FieldEvidence) -> usize {
         let left = self.left() - self.kept_for_pairs();
-        let loops = self.loops.min((left / OF_A_LOOP).max(1));
+        let loops = self.loops.min((left / EVALUATIONS_PER_LOOP).max(1));
         if loops < self.loops {
             let count = self.loops - loops;
             evidence.omitted.push(Omitted::Loops { count });
@@ -147,9 +148,9 @@ impl Measurement<'_> {
         // Of one position nothing depends on the integrals of loops that can be contracted.
         let is_one = self.integrand.kind == FieldKind::Force && self.integrand.moving() == 1;
         let samples = if is_one {
-            MOST_OF_ONE_POSITION
+            MAX_SAMPLES_OF_ONE_POSITION
         } else {
-            MOST_SAMPLES
+            MAX_SAMPLES
         };
         let limits = self.limits(samples, loops + winding, evidence);
         evidence
@@ -195,7 +196,7 @@ impl Measurement<'_> {
             let phase_loop = self.random(loops + k, 1.0)?.winding(dof, period)?;
             let limits = Limits {
                 confirms: true,
-                ..self.limits(MOST_SAMPLES, periods.len() - k, evidence)
+                ..self.limits(MAX_SAMPLES, periods.len() - k, evidence)
             };
             let begun = Integration::begin(self.integrand, &phase_loop, FIRST_SAMPLES);
             let kind = LoopKind::Winding { dof };
@@ -218,14 +219,14 @@ impl Measurement<'_> {
         evidence: &mut FieldEvidence,
     ) -> Result<(), Error> {
         let (mut searched, mut shows_jumps) = (0, true);
-        for (k, factor) in FACTORS_FOR_SOLVERS.into_iter().enumerate() {
-            if self.left() < LEAST_FOR_SOLVERS || evidence.jumps() > 0.0 {
+        for (k, factor) in FACTORS_OF_SOLVER_LOOPS.into_iter().enumerate() {
+            if self.left() < MIN_EVALUATIONS_OF_SOLVER_LOOP || evidence.jumps() > 0.0 {
                 break;
             }
-            let share = self.left() / (FACTORS_FOR_SOLVERS.len() - k);
+            let share = self.left() / (FACTORS_OF_SOLVER_LOOPS.len() - k);
             let limits = Limits {
-                samples: MOST_FOR_SOLVERS,
-                evaluations: share.max(LEAST_FOR_SOLVERS) - FIRST_SAMPLES,
+                samples: MAX_SAMPLES_OF_SOLVER_LOOP,
+                evaluations: share.max(MIN_EVALUATIONS_OF_SOLVER_LOOP) - FIRST_SAMPLES,
                 confirms: false,
             };
             let phase_loop = self.random(first + k, factor * self.wide)?;
@@ -236,9 +237,9 @@ impl Measurement<'_> {
                 found => found?,
             };
             // Jumps of a loop that is resolved would show.
-            shows_jumps &= work.is_resolved || work.samples >= MOST_FOR_SOLVERS;
+            shows_jumps &= work.is_resolved || work.samples >= MAX_SAMPLES_OF_SOLVER_LOOP;
             searched += 1;
-            evidence.is_searched = shows_jumps && searched >= SEARCHED_FOR_SOLVERS;
+            evidence.is_searched = shows_jumps && searched >= SOLVER_LOOPS;
             evidence.loops.push(work);
             self.reached(factor * self.wide, evidence);
         }
@@ -285,7 +286,8 @@ fn damping(evidence: &FieldEvidence) -> Option<(f64, f64)> {
         .collect();
     let (rate, error) = rates.iter().copied().min_by(|a, b| a.1.total_cmp(&b.1))?;
     let agree = |other: &(f64, f64)| {
-        (other.0 - rate).abs() <= 2.0 * (other.1 + error) && other.1 <= SAME_RATE * rate.abs()
+        (other.0 - rate).abs() <= 2.0 * (other.1 + error)
+            && other.1 <= MAX_DIFFERENCE_OF_RATES * rate.abs()
     };
     (rates.len() > 1 && rates.iter().all(agree)).then_some((rate, error))
 }
@@ -293,11 +295,11 @@ fn damping(evidence: &FieldEvidence) -> Option<(f64, f64)> {
 /// Checks that stated periods are those of the form, at a state of a loop.
 fn check_periods(integrand: &Integrand<'_>, around: &FourierLoop) -> Result<(), Error> {
     /// Differences below this part of the form may be rounding in single precision.
-    const ROUNDING: f64 = 1e-4;
+    const MAX_ROUNDING_OF_SINGLE: f64 = 1e-4;
     let coordinates = integrand.evaluator.coordinates();
     let periodic: Vec<usize> = (0..coordinates.dof())
         .filter(|&i| coordinates.period(i) > 0.0)
-        .take(MOST_WINDING)
+        .take(MAX_WINDING_LOOPS)
         .collect();
     if periodic.is_empty() {
         return Ok(());
@@ -312,7 +314,7 @@ fn check_periods(integrand: &Integrand<'_>, around: &FourierLoop) -> Result<(), 
         let largest =
             |of: &dyn Fn(&[f64]) -> f64| form.iter().fold(0.0, |m: f64, row| m.max(of(row)));
         let difference = largest(&|row| (row[1 + k] - row[0]).abs());
-        if difference > ROUNDING * largest(&|row| row[0].abs()) {
+        if difference > MAX_ROUNDING_OF_SINGLE * largest(&|row| row[0].abs()) {
             return Err(Error::NotAPeriodOfForce {
                 dof,
                 period: coordinates.period(dof),

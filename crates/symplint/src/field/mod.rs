@@ -37,7 +37,7 @@ pub use judge::{Certainty, FieldReport, FieldVerdict};
 use crate::error::{Error, StateAt};
 use crate::map::{EvaluationCount, Evaluator, PerSample, TimeAdvance};
 use integrand::Integrand;
-use limits::LEAST_BUDGET;
+use limits::MIN_BUDGET;
 use measure::{Measurement, range};
 use radius::Reach;
 
@@ -240,7 +240,7 @@ impl FieldTest {
         if self.loops == 0 {
             return wrong("number of loops", 0, "give one or more");
         }
-        if self.budget < LEAST_BUDGET {
+        if self.budget < MIN_BUDGET {
             let remedy = "give 100 or more: one loop takes that";
             return wrong("budget of a test of a force", self.budget, remedy);
         }

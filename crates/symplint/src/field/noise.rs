@@ -1,10 +1,10 @@
 //! How exactly a force is known: its noise over short distances, and differences between evaluations of one state.
 
 use super::integrand::Integrand;
-use super::limits::AGAIN;
+use super::limits::REPEATED_STATES;
 use crate::error::Error;
 use crate::loops::FourierLoop;
-use crate::signal::noise::{BESIDE, Noise, of_a_row};
+use crate::signal::noise::{NODES_BESIDE, Noise, of_a_row};
 use crate::signal::parameter;
 
 /// Spacings, in turns of the loop. The next one is taken if neighbours are equal, as those on one stair of single precision are.
@@ -23,10 +23,10 @@ pub(super) fn over_short_distances(
     for (place, found) in (0..).map(parameter).zip(&mut found) {
         let mut noise = Noise::default();
         for spacing in SPACINGS {
-            if noise.resolved || integrand.evaluator.count().left() <= BESIDE.len() {
+            if noise.resolved || integrand.evaluator.count().left() <= NODES_BESIDE.len() {
                 break;
             }
-            let nodes = std::iter::once(0.0).chain(BESIDE);
+            let nodes = std::iter::once(0.0).chain(NODES_BESIDE);
             let s: Vec<f64> = nodes.map(|node| place + spacing * node).collect();
             let power = integrand.power(phase_loop, &s, Some(place), None)?;
             noise.add(&of_a_row, std::array::from_fn(|k| power[k + 1] - power[0]));
@@ -46,9 +46,12 @@ pub(super) fn of_repetitions(
     phase_loop: &FourierLoop,
     power: &[f64],
 ) -> Result<f64, Error> {
-    let every = power.len() / AGAIN;
-    let again: Vec<usize> = (0..AGAIN).rev().map(|k| k * every + k % 2).collect();
-    let calls = [&again[..], &again[..1], &again[AGAIN - 1..]];
+    let every = power.len() / REPEATED_STATES;
+    let again: Vec<usize> = (0..REPEATED_STATES)
+        .rev()
+        .map(|k| k * every + k % 2)
+        .collect();
+    let calls = [&again[..], &again[..1], &again[REPEATED_STATES - 1..]];
     let mut largest = 0.0_f64;
     for call in calls {
         let s: Vec<f64> = (call.iter())

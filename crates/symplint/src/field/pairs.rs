@@ -6,7 +6,10 @@
 
 use super::evidence::{CoordinateName, Curl, LoopKind, LoopWork, WorstPair};
 use super::integrand::Integrand;
-use super::limits::{ALL_PAIRS_UP_TO, FIRST_OF_PAIR, MOST_OF_PAIR, PART_OF_RADIUS, RANDOM_PAIRS};
+use super::limits::{
+    FIRST_SAMPLES_OF_PAIR, MAX_COORDINATES_OF_ALL_PAIRS, MAX_SAMPLES_OF_PAIR, PAIR_PART_OF_RADIUS,
+    RANDOM_PAIRS,
+};
 use super::radius::direction;
 use super::work::{Integration, Known, Limits};
 use crate::error::Error;
@@ -15,7 +18,7 @@ use crate::signal::parameter;
 use crate::state::{Ensemble, coordinate};
 
 /// Streams of random numbers from here on belong to pairs.
-const STREAM: u64 = 1 << 32;
+const FIRST_STREAM_OF_PAIRS: u64 = 1 << 32;
 
 /// Where pairs are tested, and how exactly the force is known there.
 pub(super) struct Pairs<'a> {
@@ -42,8 +45,9 @@ impl Pairs<'_> {
     /// Pairs of the coordinates that loops move, if they are few and the budget allows them all.
     pub fn all(integrand: &Integrand<'_>) -> bool {
         let moving = integrand.moving();
-        moving <= ALL_PAIRS_UP_TO
-            && moving * (moving - 1) / 2 * FIRST_OF_PAIR <= integrand.evaluator.count().left()
+        moving <= MAX_COORDINATES_OF_ALL_PAIRS
+            && moving * (moving - 1) / 2 * FIRST_SAMPLES_OF_PAIR
+                <= integrand.evaluator.count().left()
     }
 
     fn name(&self, c: usize) -> CoordinateName {
@@ -69,7 +73,8 @@ impl Pairs<'_> {
         }
         let random = |k: usize| Pair {
             point: k,
-            vectors: [0, 1].map(|of| direction(count, self.seed, STREAM + 2 * k as u64 + of)),
+            vectors: [0, 1]
+                .map(|of| direction(count, self.seed, FIRST_STREAM_OF_PAIRS + 2 * k as u64 + of)),
             kind: LoopKind::Directions,
         };
         (0..RANDOM_PAIRS).map(random).collect()
@@ -100,7 +105,7 @@ impl Pairs<'_> {
         let at = |c: usize| coordinate(&centre, c)[0];
         let half_axis = |vector: &[f64]| {
             let part = |c: usize| match (vector.get(c), self.integrand.radius.get(c)) {
-                (Some(x), Some(radius)) => PART_OF_RADIUS * radius * x,
+                (Some(x), Some(radius)) => PAIR_PART_OF_RADIUS * radius * x,
                 _ => 0.0,
             };
             [
@@ -118,11 +123,11 @@ impl Pairs<'_> {
 
     fn measure(&self, pair: &Pair, most: usize) -> Result<LoopWork, Error> {
         let ellipse = self.ellipse(pair);
-        Integration::begin(self.integrand, &ellipse, FIRST_OF_PAIR)?.finish(
+        Integration::begin(self.integrand, &ellipse, FIRST_SAMPLES_OF_PAIR)?.finish(
             pair.kind,
             self.known,
             Limits {
-                samples: MOST_OF_PAIR,
+                samples: MAX_SAMPLES_OF_PAIR,
                 evaluations: most,
                 confirms: self.confirms,
             },
@@ -138,11 +143,11 @@ impl Pairs<'_> {
         let mut found = Vec::with_capacity(pairs.len());
         for (k, pair) in pairs.iter().enumerate() {
             let left = self.integrand.evaluator.count().left();
-            if left < FIRST_OF_PAIR {
+            if left < FIRST_SAMPLES_OF_PAIR {
                 break;
             }
             let share = left / (pairs.len() - k);
-            found.push(self.measure(pair, share.saturating_sub(FIRST_OF_PAIR))?);
+            found.push(self.measure(pair, share.saturating_sub(FIRST_SAMPLES_OF_PAIR))?);
         }
         Ok(found)
     }
@@ -205,7 +210,7 @@ impl Pairs<'_> {
             return Ok(self.named(shown, first, second));
         }
         let rounds = 2 * self.integrand.coordinates().ilog2() as usize + 4;
-        if self.integrand.evaluator.count().left() < rounds * FIRST_OF_PAIR {
+        if self.integrand.evaluator.count().left() < rounds * FIRST_SAMPLES_OF_PAIR {
             return Ok(None);
         }
         let mut pair = pair.clone();
@@ -245,7 +250,7 @@ impl Pairs<'_> {
     }
 
     fn named(&self, work: &LoopWork, first: usize, second: usize) -> Option<WorstPair> {
-        let radius = |c: usize| PART_OF_RADIUS * self.integrand.radius[c];
+        let radius = |c: usize| PAIR_PART_OF_RADIUS * self.integrand.radius[c];
         let area = std::f64::consts::PI * radius(first) * radius(second);
         Some(WorstPair {
             first: self.name(first),

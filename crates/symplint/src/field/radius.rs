@@ -6,7 +6,8 @@ use chacha20::rand_core::SeedableRng;
 use super::FieldKind;
 use super::integrand::Integrand;
 use super::limits::{
-    HALVINGS, MOST_NONLINEAR, OF_FIRST_LOOP, PART_OF_CENTRE, ROUNDING_NOISE, WIDE,
+    EVALUATIONS_OF_FIRST_LOOP, FACTOR_OF_WIDE_LOOPS, MAX_HALVINGS_OF_RADIUS, MAX_NONLINEAR_PART,
+    MAX_ROUNDING_NOISE, PART_OF_CENTRE,
 };
 use crate::error::{Error, StateAt};
 use crate::map::Evaluator;
@@ -94,7 +95,7 @@ pub(super) fn suggested(
     let towards = direction(2 * dof, seed, 0);
     let reach = |factor: f64| Reach {
         radius: integrand.radius.iter().map(|r| factor * r).collect(),
-        wide: WIDE.min(factor.recip()),
+        wide: FACTOR_OF_WIDE_LOOPS.min(factor.recip()),
     };
     let middle = (integrand.form(displaced(centre, &integrand.radius, &towards, &[0.0])))
         .map_err(|error| error.at(|_| StateAt::Centre))?;
@@ -107,8 +108,8 @@ pub(super) fn suggested(
             &[factor, -factor],
         ))
     };
-    for halving in 0..=HALVINGS {
-        if evaluator.count().left() < 2 + OF_FIRST_LOOP {
+    for halving in 0..=MAX_HALVINGS_OF_RADIUS {
+        if evaluator.count().left() < 2 + EVALUATIONS_OF_FIRST_LOOP {
             break;
         }
         let factor = 0.5_f64.powi(halving as i32);
@@ -125,7 +126,7 @@ pub(super) fn suggested(
                 let even =
                     norm((rows.iter().zip(&middle)).map(|(row, m)| 0.5 * (row[0] + row[1]) - m[0]));
                 let linear = norm(odd.iter().copied());
-                if linear.max(even) <= ROUNDING_NOISE * f64::EPSILON * of_middle {
+                if linear.max(even) <= MAX_ROUNDING_NOISE * f64::EPSILON * of_middle {
                     // The form is constant as far as its rounding shows: larger radii show more.
                     let found = best.map_or(1.0, |(_, factor)| factor);
                     return Ok(reach(found));
@@ -137,7 +138,7 @@ pub(super) fn suggested(
                             .map(|(large, small): (&f64, &f64)| large - 2.0 * small),
                     );
                     let nonlinear = off.max(4.0 * even) / (2.0 * linear);
-                    if nonlinear <= MOST_NONLINEAR {
+                    if nonlinear <= MAX_NONLINEAR_PART {
                         return Ok(reach(2.0 * factor));
                     }
                     if nonlinear.is_finite() && best.is_none_or(|(least, _)| nonlinear < least) {
@@ -187,7 +188,7 @@ fn first_radii(
 /// Radius in p over radius in q.
 fn ratio(evaluator: &Evaluator<'_>, centre: (&[f64], &[f64]), seed: u64) -> Result<f64, Error> {
     /// Displacements, as a part of the size of the centre.
-    const PART: f64 = 1.0 / 1024.0;
+    const DISPLACEMENT_PART: f64 = 1.0 / 1024.0;
     let (q0, p0) = centre;
     let dof = q0.len();
     let sizes = [q0, p0].map(|values| match size_of(values) {
@@ -197,7 +198,7 @@ fn ratio(evaluator: &Evaluator<'_>, centre: (&[f64], &[f64]), seed: u64) -> Resu
     let towards = direction(2 * dof, seed, 0);
     let changed = |of: usize| {
         let mut radius = vec![0.0; 2 * dof];
-        radius[of * dof..(of + 1) * dof].fill(PART * sizes[of]);
+        radius[of * dof..(of + 1) * dof].fill(DISPLACEMENT_PART * sizes[of]);
         let mut states = displaced(centre, &radius, &towards, &[1.0, -1.0]);
         evaluator.advance(&mut states, 1.0)?;
         let rates = if of == 0 { states.p() } else { states.q() };

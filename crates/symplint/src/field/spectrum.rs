@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use symplint_fft::num_complex::Complex;
 
-use super::limits::DECAY_OF_JUMPS;
+use super::limits::MAX_DECAY_OF_JUMPS;
 use crate::signal::CompensatedSum;
 use crate::signal::noise::SAFETY;
 
@@ -90,7 +90,7 @@ impl Spectrum {
 
     /// The size of the jumps of a function whose coefficients fall like the coefficients of jumps, and not like white noise.
     pub fn jumps(&self) -> Option<f64> {
-        let is_of_jumps = |decay: &f64| (0.5..DECAY_OF_JUMPS).contains(decay);
+        let is_of_jumps = |decay: &f64| (0.5..MAX_DECAY_OF_JUMPS).contains(decay);
         self.decay().filter(is_of_jumps).map(|_| {
             let highest = self.sizes.len() - 1;
             // Samples of a jump of 1 have |c_m| = 1/(2N sin(πm/N)).

@@ -11,7 +11,7 @@ use crate::signal::SIGNIFICANT;
 use crate::text::{plain_numbers, two_digits};
 
 /// Noise below this is rounding in double precision, and is not mentioned.
-const ROUNDING: f64 = 1e-12;
+const MAX_UNMENTIONED_NOISE: f64 = 1e-12;
 
 impl FieldReport {
     fn is_force(&self) -> bool {
@@ -202,13 +202,14 @@ impl FieldReport {
                 two_digits(evidence.jumps())
             ));
         }
-        if evidence.noise > ROUNDING {
+        if evidence.noise > MAX_UNMENTIONED_NOISE {
             found.push(format!(
                 "Over short distances the {subject} has a noise of {} of its change along a loop.",
                 two_digits(evidence.noise)
             ));
         }
-        if evidence.repetitions > ROUNDING && self.certainty != Certainty::Repetitions {
+        if evidence.repetitions > MAX_UNMENTIONED_NOISE && self.certainty != Certainty::Repetitions
+        {
             found.push(format!(
                 "The {subject} differs by {} of its change when the same state is evaluated again.",
                 two_digits(evidence.repetitions)

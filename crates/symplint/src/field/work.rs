@@ -2,7 +2,7 @@
 
 use super::evidence::{LoopKind, LoopWork};
 use super::integrand::{Integrand, Moments};
-use super::limits::{BISECTIONS, PART_OF_JUMP, ROUNDING_NOISE, ROUNDINGS};
+use super::limits::{BISECTIONS, MAX_ROUNDING_NOISE, MIN_PART_OF_JUMP, ROUNDINGS_OF_TERMS};
 use super::spectrum::Spectrum;
 use crate::error::Error;
 use crate::loops::FourierLoop;
@@ -128,11 +128,11 @@ impl<'a> Integration<'a> {
 
     fn noise(&self, known: Known, spectrum: &Spectrum) -> Noise {
         let terms = f64::EPSILON * self.moments.terms();
-        let rounding = ROUNDINGS * (terms + f64::EPSILON * spectrum.mean.abs());
+        let rounding = ROUNDINGS_OF_TERMS * (terms + f64::EPSILON * spectrum.mean.abs());
         let factor = known.factor(&self.moments);
         let noise = factor * known.noise;
         let independent = noise / (self.power.len() as f64).sqrt();
-        let of_integral = match noise <= ROUNDING_NOISE * terms {
+        let of_integral = match noise <= MAX_ROUNDING_NOISE * terms {
             true => independent,
             // That of single precision or of a solver need not average out.
             false => noise,
@@ -185,7 +185,7 @@ impl<'a> Integration<'a> {
             quadrature_error: unit * spectrum.error(),
             noise: unit * noise,
             scale: unit * self.scale(kind),
-            is_constant: moments.deviation() <= ROUNDINGS * f64::EPSILON * moments.size(),
+            is_constant: moments.deviation() <= ROUNDINGS_OF_TERMS * f64::EPSILON * moments.size(),
             is_resolved,
             jumps: jumps.map(|size| unit * size),
             jump_at,
@@ -229,7 +229,7 @@ impl<'a> Integration<'a> {
                 false => (low, of_low) = (middle, of_middle),
             }
         }
-        let is_jump = (of_high - of_low).abs() > PART_OF_JUMP * whole;
+        let is_jump = (of_high - of_low).abs() > MIN_PART_OF_JUMP * whole;
         Ok(is_jump.then_some(low))
     }
 }

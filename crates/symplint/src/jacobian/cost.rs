@@ -2,10 +2,10 @@
 
 use super::constants::CONSTANTS;
 use super::{JacobianTest, richardson};
-use crate::signal::noise::BESIDE;
+use crate::signal::noise::NODES_BESIDE;
 
 /// Points that come before more tangent vectors at each.
-const FEW_POINTS: usize = 2;
+const MIN_POINTS: usize = 2;
 
 impl JacobianTest {
     /// Evaluations that the test makes of a map in `dof` degrees of freedom, with a tangent map or without: at
@@ -29,7 +29,7 @@ impl JacobianTest {
             true => richardson::FIRST_STATES + CONSTANTS.trials * directions,
             false => richardson::FIRST_STATES * directions,
         };
-        self.points * (1 + BESIDE.len() + of_derivatives)
+        self.points * (1 + NODES_BESIDE.len() + of_derivatives)
     }
 
     /// The best test that makes `budget` evaluations at most, and no better one than by default: first two points,
@@ -58,7 +58,7 @@ impl JacobianTest {
                 })
             }
         };
-        (candidates().find_map(with_points(FEW_POINTS)))
+        (candidates().find_map(with_points(MIN_POINTS)))
             .or_else(|| candidates().find_map(with_points(1)))
     }
 }

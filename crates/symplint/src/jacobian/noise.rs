@@ -1,13 +1,15 @@
 //! The noise of a map along a direction: rounding, single precision, solvers that stop at a tolerance.
 
-use crate::signal::noise::{BESIDE, MOST_OF_OTHERS};
+use crate::signal::noise::{MAX_OVER_OTHERS, NODES_BESIDE};
 
 /// Spacings, in units of the direction; the largest reaches as far as the differences.
 pub(super) const SPACINGS: [f64; 4] = [1.434e-5, 2.371e-4, 3.883e-3, 2.0e-2];
 
 /// How far along the direction the states at a spacing are.
 pub(super) fn offsets(level: usize) -> impl Iterator<Item = f64> {
-    BESIDE.into_iter().map(move |node| node * SPACINGS[level])
+    NODES_BESIDE
+        .into_iter()
+        .map(move |node| node * SPACINGS[level])
 }
 
 /// The noise at each place from what each place showed: its own, but not far from that of most
@@ -16,15 +18,17 @@ pub(super) fn offsets(level: usize) -> impl Iterator<Item = f64> {
 /// If a coordinate does not respond at all, it is constant (clipped, for example) if it has many digits at another place. Otherwise
 /// its noise is as large as the loop: it is coarser than the differences.
 pub(super) fn at_each_place(shown: &[Option<f64>]) -> Vec<f64> {
-    const MANY_DIGITS: f64 = 1e-10;
+    const MAX_NOISE_OF_CONSTANT: f64 = 1e-10;
     let least = shown.iter().flatten().copied().reduce(f64::min);
-    let of_constant = least.filter(|&noise| noise <= MANY_DIGITS).unwrap_or(1.0);
+    let of_constant = least
+        .filter(|&noise| noise <= MAX_NOISE_OF_CONSTANT)
+        .unwrap_or(1.0);
     let shown: Vec<f64> = shown.iter().map(|own| own.unwrap_or(of_constant)).collect();
     let mut sorted = shown.clone();
     sorted.sort_by(f64::total_cmp);
     let median = sorted[sorted.len() / 2];
     (shown.iter())
-        .map(|&own| median.max(own.min(MOST_OF_OTHERS * median)))
+        .map(|&own| median.max(own.min(MAX_OVER_OTHERS * median)))
         .collect()
 }
 

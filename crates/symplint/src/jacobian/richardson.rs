@@ -19,11 +19,11 @@ pub(super) const LEVELS: usize = CONSTANTS.levels;
 pub(super) const STATES: usize = 2 * LEVELS;
 
 /// The distances that every derivative has, and those that are added where they help.
-pub(super) const FIRST: Range<usize> = 0..CONSTANTS.first_levels;
-pub(super) const FINER: Range<usize> = CONSTANTS.first_levels..LEVELS;
+pub(super) const FIRST_LEVELS: Range<usize> = 0..CONSTANTS.first_levels;
+pub(super) const FINER_LEVELS: Range<usize> = CONSTANTS.first_levels..LEVELS;
 
 /// States of the first distances.
-pub(super) const FIRST_STATES: usize = 2 * FIRST.end;
+pub(super) const FIRST_STATES: usize = 2 * FIRST_LEVELS.end;
 
 /// The distance at a level, in units of the direction.
 fn distance(level: usize) -> f64 {
@@ -39,7 +39,8 @@ pub(super) fn displacements(levels: Range<usize>) -> impl Iterator<Item = f64> {
 /// over the finer distances is not as large.
 pub(super) fn finer_levels_help(derivative: &Derivative, noise: f64) -> bool {
     let of_interest = CONSTANTS.least_defect_of_differences * derivative.largest();
-    derivative.largest_error() > of_interest.max(CONSTANTS.gain * noise / distance(FINER.start))
+    derivative.largest_error()
+        > of_interest.max(CONSTANTS.gain * noise / distance(FINER_LEVELS.start))
 }
 
 type Table = [[f64; CONSTANTS.deepest + 1]; LEVELS];
@@ -164,7 +165,7 @@ mod tests {
 
     /// From the first levels, and the finer ones where they help.
     fn of(f: impl Fn(f64) -> f64, noise: f64) -> Derivative {
-        let first = with_levels(&f, FIRST.end, noise);
+        let first = with_levels(&f, FIRST_LEVELS.end, noise);
         match finer_levels_help(&first, noise) {
             true => with_levels(&f, LEVELS, noise),
             false => first,

@@ -9,12 +9,12 @@ use super::directions;
 use super::evidence::{JacobianMethod, TangentRejection};
 use super::frame::Frame;
 use super::noise;
-use super::richardson::{self, FINER, FIRST, finer_levels_help};
+use super::richardson::{self, FINER_LEVELS, FIRST_LEVELS, finer_levels_help};
 use crate::error::{Error, StateAt};
 use crate::loops::Loop;
 use crate::map::{Evaluator, LoopSize};
 use crate::signal::nearest;
-use crate::signal::noise::{BESIDE, Noise, SAFETY, of_a_row};
+use crate::signal::noise::{NODES_BESIDE, Noise, SAFETY, of_a_row};
 use crate::state::{Block, Ensemble, coordinate, in_parallel};
 
 /// A tangent vector at a point, in units of the frame.
@@ -147,7 +147,7 @@ impl<'a> Sampler<'a> {
         let of_a_row = of_a_row();
         let mut found = vec![vec![Noise::default(); self.coordinates()]; self.s.len()];
         let points: Vec<usize> = (0..self.s.len()).collect();
-        for batch in points.chunks(self.in_a_batch(1 + BESIDE.len())) {
+        for batch in points.chunks(self.in_a_batch(1 + NODES_BESIDE.len())) {
             let mut unresolved = batch.to_vec();
             for level in 0..noise::SPACINGS.len() {
                 let centre = (level == 0).then_some(0.0);
@@ -164,7 +164,7 @@ impl<'a> Sampler<'a> {
                         self.after.push(centre.collect());
                     }
                     for (c, noise) in found[point].iter_mut().enumerate() {
-                        let around = &stencil(k, c)[offsets.len() - BESIDE.len()..];
+                        let around = &stencil(k, c)[offsets.len() - NODES_BESIDE.len()..];
                         let difference = |k: usize| self.difference(point, c, around[k]);
                         noise.add(&of_a_row, std::array::from_fn(difference));
                     }
@@ -173,7 +173,7 @@ impl<'a> Sampler<'a> {
                     let mut of_coordinates = found[point].iter().enumerate();
                     let resolved =
                         of_coordinates.all(|(c, noise)| noise.resolved || self.is_constant(c));
-                    level + 1 < noise::SPACINGS.len() && !resolved && self.draw(BESIDE.len())
+                    level + 1 < noise::SPACINGS.len() && !resolved && self.draw(NODES_BESIDE.len())
                 });
                 if unresolved.is_empty() {
                     break;
@@ -264,7 +264,7 @@ impl<'a> Sampler<'a> {
         let mut found = Vec::with_capacity(vectors.len());
         for batch in vectors.chunks(self.in_a_batch(richardson::STATES)) {
             let distances = |levels| richardson::displacements(levels).collect::<Vec<f64>>();
-            let first = self.displaced(batch, &distances(FIRST))?;
+            let first = self.displaced(batch, &distances(FIRST_LEVELS))?;
             let of_first = |k: usize| self.extrapolated(batch[k].point, &[(&first, k)]);
             let numbers = richardson::STATES * 2 * self.frame.dof();
             let mut derivatives = in_parallel(0..batch.len(), numbers, of_first);
@@ -274,11 +274,11 @@ impl<'a> Sampler<'a> {
                     .iter()
                     .copied()
                     .fold(0.0, f64::max);
-                finer_levels_help(&derivatives[k], noise) && self.draw(2 * FINER.len())
+                finer_levels_help(&derivatives[k], noise) && self.draw(2 * FINER_LEVELS.len())
             });
             if !unresolved.is_empty() {
                 let again: Vec<TangentVector<'_>> = unresolved.iter().map(|&k| batch[k]).collect();
-                let finer = self.displaced(&again, &distances(FINER))?;
+                let finer = self.displaced(&again, &distances(FINER_LEVELS))?;
                 for (j, &k) in unresolved.iter().enumerate() {
                     let states = [(&first, k), (&finer, j)];
                     derivatives[k] = self.extrapolated(batch[k].point, &states);
@@ -292,7 +292,10 @@ impl<'a> Sampler<'a> {
     /// The derivative at a point from states at the first levels, and at the finer ones if they are there: which
     /// ensemble, and which of its stencils.
     fn extrapolated(&self, point: usize, states: &[(&Ensemble, usize)]) -> Derivative {
-        let levels: Vec<Range<usize>> = [FIRST, FINER].into_iter().take(states.len()).collect();
+        let levels: Vec<Range<usize>> = [FIRST_LEVELS, FINER_LEVELS]
+            .into_iter()
+            .take(states.len())
+            .collect();
         let count = levels.iter().map(Range::len).sum();
         richardson::derivative(self.coordinates(), count, |c| {
             let stencils = levels

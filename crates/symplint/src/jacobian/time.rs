@@ -18,11 +18,11 @@ use crate::signal::{SIGNIFICANT, nearest};
 use crate::state::coordinate;
 
 /// Steps longer and shorter by this part of h show ∂Φ/∂h. Conventional: the error is its square, and rounding is smaller.
-const PART: f64 = 1e-4;
+const PART_OF_STEP: f64 = 1e-4;
 
 impl JacobianTest {
     /// States that show how time moves a point.
-    pub(crate) const ALONG_TIME: usize = 2;
+    pub(crate) const STATES_ALONG_TIME: usize = 2;
 }
 
 /// How far the defect D of the brackets after the step is from X ∧ y, with X = ∂Φ/∂h, at the worst point: the largest
@@ -41,13 +41,13 @@ pub(super) fn across_time(
     images: &[TangentImages],
 ) -> Result<Option<f64>, Error> {
     let points = sampler.before.samples();
-    if images.len() < points || !sampler.draw(JacobianTest::ALONG_TIME * points) {
+    if images.len() < points || !sampler.draw(JacobianTest::STATES_ALONG_TIME * points) {
         return Ok(None);
     }
     let [mut longer, mut shorter] = [sampler.before.clone(), sampler.before.clone()];
     let evaluator = sampler.evaluator;
-    evaluator.advance(&mut longer, (1.0 + PART) * sampler.h)?;
-    evaluator.advance(&mut shorter, (1.0 - PART) * sampler.h)?;
+    evaluator.advance(&mut longer, (1.0 + PART_OF_STEP) * sampler.h)?;
+    evaluator.advance(&mut shorter, (1.0 - PART_OF_STEP) * sampler.h)?;
     let frame = &sampler.frame;
     let of_point = |(point, images): (usize, &TangentImages)| {
         let along: Vec<Estimate> = (0..2 * frame.dof())
@@ -56,7 +56,8 @@ pub(super) fn across_time(
                 let unit = frame.area(frame.dof_of(c)).abs().sqrt();
                 let value = unit * nearest(a - b, frame.period[c]) / frame.size[c];
                 // Noise is as large as rounding at least.
-                let error = PART * PART * value.abs() + 2.0 * unit * sampler.noise[point][c];
+                let error = PART_OF_STEP * PART_OF_STEP * value.abs()
+                    + 2.0 * unit * sampler.noise[point][c];
                 Estimate { value, error }
             })
             .collect();

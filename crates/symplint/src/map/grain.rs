@@ -1,31 +1,31 @@
 //! The grain of a map: the distance of neighbouring values that it returns.
 
 use crate::loops::FEW_SAMPLES;
-use crate::signal::{Digits, Extent, Format, Levels, SINGLE, Turns};
+use crate::signal::{BITS_OF_SINGLE, Digits, Extent, Format, Levels, Turns};
 use crate::state::{Coordinates, Ensemble, coordinate, period};
 
 /// Fewer samples tell nothing.
-const FEWEST: usize = 24;
+const MIN_SAMPLES: usize = 24;
 
 /// In more degrees of freedom a grain takes too much memory.
-const MOST_DOF: usize = 1 << 16;
+const MAX_DOF: usize = 1 << 16;
 
 /// Values are few if each is the value of this number of samples, or more. On a circle two samples have each value; where it
 /// runs twice round, four have, but at its ends.
-const FEW: usize = 4;
+const MIN_SAMPLES_OF_VALUE: usize = 4;
 
 /// Increments of a straight line differ by this number of roundings of its largest value.
-const ROUNDINGS: f64 = 8.0;
+const MAX_ROUNDINGS_OF_LINE: f64 = 8.0;
 
 /// A jump of no more than this many grains may be rounding: each of several operations of a step rounds.
-const GRAINS_OF_A_JUMP: f64 = 16.0;
+const MAX_GRAINS_OF_ROUNDING: f64 = 16.0;
 
 /// Integrals of a circle in stairs are off by a quarter of this many times a stair, times the root of a stair over the
 /// circle's width, on the average.
-const STAIRS: f64 = 4.0;
+const ERROR_OF_STAIRS: f64 = 4.0;
 
 /// Rounding in other coordinates hides no jump larger than sixteen times this part of a coordinate's range.
-const MOST_OF_OTHERS: f64 = 3e-3;
+const MAX_ROUNDING_OF_OTHERS: f64 = 3e-3;
 
 /// By how much rounding moves each coordinate, if a map returns numbers of fewer digits than double precision:
 /// single precision, decimals, or multiples of anything.
@@ -82,7 +82,7 @@ impl Grain {
         before: impl FnOnce(usize) -> Before,
     ) -> Option<Self> {
         let dof = coordinates.dof();
-        if samples < FEWEST || !Self::is_affordable(dof) {
+        if samples < MIN_SAMPLES || !Self::is_affordable(dof) {
             return None;
         }
         let every = samples.div_ceil(FEW_SAMPLES);
@@ -112,7 +112,7 @@ impl Grain {
 
     /// Whether a grain of this number of degrees of freedom fits into little memory.
     pub fn is_affordable(dof: usize) -> bool {
-        dof <= MOST_DOF
+        dof <= MAX_DOF
     }
 
     /// Degrees of freedom.
@@ -186,7 +186,7 @@ impl Grain {
             };
             self.sizes[c] * part * (self.ranges[other] + self.sizes[other])
         };
-        STAIRS * (of(i, dof + i) + of(dof + i, i))
+        ERROR_OF_STAIRS * (of(i, dof + i) + of(dof + i, i))
     }
 
     /// What rounding makes of the integral of a degree of freedom, without its weight, if it leaves a coordinate so
@@ -203,8 +203,8 @@ impl Grain {
         if self.unresolved[c] {
             return false;
         }
-        let of_others = self.sizes[c].min(MOST_OF_OTHERS * self.ranges[c]);
-        jump.abs() > GRAINS_OF_A_JUMP * self.units[c].max(of_others)
+        let of_others = self.sizes[c].min(MAX_ROUNDING_OF_OTHERS * self.ranges[c]);
+        jump.abs() > MAX_GRAINS_OF_ROUNDING * self.units[c].max(of_others)
     }
 }
 
@@ -224,13 +224,14 @@ impl CoordinateGrain {
         // Equispaced samples of a straight line are at equal distances, and not rounded.
         let mut increments = Extent::default();
         (unwrapped.windows(2)).for_each(|x| increments.include(x[1] - x[0]));
-        let is_line = increments.length() <= ROUNDINGS * f64::EPSILON * extent.magnitude();
+        let is_line =
+            increments.length() <= MAX_ROUNDINGS_OF_LINE * f64::EPSILON * extent.magnitude();
         let spacing = levels.spacing().filter(|_| !is_line);
         let unit = of_digits.into_iter().chain(spacing);
         CoordinateGrain {
             unit: unit.fold(0.0, f64::max),
             range: extent.length(),
-            few: Some(levels.count()).filter(|count| FEW * count <= values.len()),
+            few: Some(levels.count()).filter(|count| MIN_SAMPLES_OF_VALUE * count <= values.len()),
             least: levels.least_difference(),
             magnitude: extent.magnitude(),
         }
@@ -294,7 +295,7 @@ fn has_few_digits(row: &[f64]) -> bool {
     let mut digits = Digits::default();
     row.iter().for_each(|&x| digits.add(x));
     match digits.few() {
-        Some((format, _)) => format != Format::Binary(SINGLE),
+        Some((format, _)) => format != Format::Binary(BITS_OF_SINGLE),
         None => Levels::of(row.iter().copied()).spacing().is_some(),
     }
 }

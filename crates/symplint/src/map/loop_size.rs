@@ -10,11 +10,11 @@ use crate::state::{Block, Coordinates, Ensemble, coordinate, coordinate_mut, per
 
 /// Repetitions of the balance of q against p: a ratio that is off by 2^60 where forces are bounded is off by a factor
 /// of 1.3 then, and no more are needed where they are linear.
-const REPETITIONS: usize = 4;
+const REPETITIONS_OF_BALANCE: usize = 4;
 
 /// Displacements that tell the ratio, in units of the radii: small, as forces that fall off would make radii that are
 /// too large still larger; and not so small that the rounding of single precision shows.
-const DISTANCE: f64 = 1.0 / 64.0;
+const DISPLACEMENT: f64 = 1.0 / 64.0;
 
 /// A degree of freedom at rest at a centre (q, p) is given this part of √(q²/ρ + ρp²) for a radius, if no other
 /// one tells.
@@ -22,16 +22,16 @@ const PART_OF_CENTRE: f64 = 0.1;
 
 /// Actions of a group differ by no more than this factor. A loop integral is a sum of actions: what is wrong in the
 /// smallest one of a group shows three digits less.
-const SIMILAR: f64 = 1e3;
+const MAX_RATIO_IN_GROUP: f64 = 1e3;
 
 /// Groups at most, down to actions of 1e-96 of the largest; the last one holds all smaller ones.
-const MOST_GROUPS: usize = 32;
+const MAX_GROUPS: usize = 32;
 
 /// The motion on which a centre lies may be this many times as large as what a step shows of it.
-const WITHIN: f64 = 2.0;
+const MAX_CENTRE_OVER_MOTION: f64 = 2.0;
 
 /// A state this much smaller than others is what rounding leaves of zero.
-const ROUNDING: f64 = 1e-14;
+const MAX_ROUNDED_ZERO: f64 = 1e-14;
 
 /// Radii of a loop that fit a map: see [`balanced_radii`].
 #[derive(Clone, Debug, PartialEq)]
@@ -156,7 +156,7 @@ impl ActionGroup {
     fn of(actions: &[f64]) -> Vec<ActionGroup> {
         let lowest = actions.iter().copied().fold(f64::INFINITY, f64::min);
         let highest = actions.iter().copied().fold(0.0, f64::max);
-        if lowest * SIMILAR >= highest {
+        if lowest * MAX_RATIO_IN_GROUP >= highest {
             return Vec::new();
         }
         let mut order: Vec<usize> = (0..actions.len()).collect();
@@ -165,9 +165,11 @@ impl ActionGroup {
         let mut groups: Vec<ActionGroup> = Vec::new();
         for i in order {
             let action = actions[i] / largest;
-            let full = groups.len() == MOST_GROUPS;
+            let full = groups.len() == MAX_GROUPS;
             match groups.last_mut() {
-                Some(last) if full || action * SIMILAR >= last.action => last.dofs.push(i),
+                Some(last) if full || action * MAX_RATIO_IN_GROUP >= last.action => {
+                    last.dofs.push(i)
+                }
                 _ => groups.push(ActionGroup {
                     dofs: vec![i],
                     action,
@@ -255,7 +257,7 @@ impl LoopSize {
         let mut ratios = self.first_ratios(&displaced, motion.as_ref());
         // Advanced by a radian in a step, until it is known.
         let mut squared_advances = vec![1.0; open.len()];
-        for repetition in 0..=REPETITIONS {
+        for repetition in 0..=REPETITIONS_OF_BALANCE {
             let of_centres = (open.iter().zip(&ratios).enumerate())
                 .map(|(k, (&i, &ratio))| {
                     let moved = motion.as_ref().map(|[q, p]| [q[k], p[k]]);
@@ -264,7 +266,7 @@ impl LoopSize {
                 })
                 .collect();
             self.take(&given, open, &ratios, of_centres, action, coordinates);
-            if repetition == REPETITIONS {
+            if repetition == REPETITIONS_OF_BALANCE {
                 break;
             }
             // If the map fails next to the loop, what is known has to be enough.
@@ -296,8 +298,10 @@ impl LoopSize {
             period => squared(period / TAU, self.centre[1][i]),
         };
         let of_motion = moved.map(|[q, p]| squared(q, p) / squared_advance);
-        let within = of_motion.map(|squared| WITHIN * WITHIN * squared);
-        let smaller = within.filter(|&within| within > ROUNDING * of_origin && within < of_origin);
+        let within =
+            of_motion.map(|squared| MAX_CENTRE_OVER_MOTION * MAX_CENTRE_OVER_MOTION * squared);
+        let smaller =
+            within.filter(|&within| within > MAX_ROUNDED_ZERO * of_origin && within < of_origin);
         PART_OF_CENTRE * PART_OF_CENTRE * smaller.unwrap_or(of_origin)
     }
 
@@ -334,10 +338,10 @@ impl LoopSize {
             let radii = match [given[0][i], given[1][i]] {
                 [0.0, 0.0] => {
                     // A centre that is rounding compared with the largest is the origin.
-                    let at_origin = of_centres[k] <= ROUNDING * ROUNDING * largest;
+                    let at_origin = of_centres[k] <= MAX_ROUNDED_ZERO * MAX_ROUNDED_ZERO * largest;
                     let own = if at_origin { largest } else { of_centres[k] };
                     // A body that is much lighter than those that move has its own action.
-                    let is_small = !at_origin && own * SIMILAR < action;
+                    let is_small = !at_origin && own * MAX_RATIO_IN_GROUP < action;
                     let mut known = [if is_small { own } else { action }, own].into_iter();
                     let action = known.find(|&action| action > 0.0).unwrap_or(1.0);
                     let area = action / coordinates.weight(i).abs();
@@ -396,8 +400,8 @@ impl Displaced<'_> {
         for (kind, radius) in radius.iter().enumerate() {
             for &i in self.open {
                 let row = coordinate_mut(&mut block, kind * dof + i);
-                row[2 * kind] += sign(i) * DISTANCE * radius[i];
-                row[2 * kind + 1] -= sign(i) * DISTANCE * radius[i];
+                row[2 * kind] += sign(i) * DISPLACEMENT * radius[i];
+                row[2 * kind + 1] -= sign(i) * DISPLACEMENT * radius[i];
             }
         }
         self.evaluator.advance(&mut states, self.h)?;
@@ -409,7 +413,7 @@ impl Displaced<'_> {
             (nearest(apart, period) / radius[kind][i]).abs()
         };
         let of_dof = |&i: &usize| {
-            let [of_q, of_p] = [0, 1].map(|kind| slope(kind, i) / (2.0 * DISTANCE));
+            let [of_q, of_p] = [0, 1].map(|kind| slope(kind, i) / (2.0 * DISPLACEMENT));
             let (ratio, squared_advance) = ((of_p / of_q).sqrt(), of_p * of_q);
             (ratio.is_normal() && squared_advance.is_normal()).then_some((ratio, squared_advance))
         };
@@ -434,7 +438,7 @@ mod tests {
             [vec![2], vec![0, 1], vec![3]]
         );
         let many: Vec<f64> = (0..40).map(|k| 0.1f64.powi(4 * k)).collect();
-        assert_eq!(groups(&many).len(), MOST_GROUPS);
-        assert_eq!(groups(&many)[MOST_GROUPS - 1].len(), 9);
+        assert_eq!(groups(&many).len(), MAX_GROUPS);
+        assert_eq!(groups(&many)[MAX_GROUPS - 1].len(), 9);
     }
 }

@@ -4,7 +4,7 @@ use std::sync::{Arc, PoisonError, RwLock};
 
 use super::{Before, Difference, Evaluator, Grain};
 use crate::loops::Loop;
-use crate::signal::{ROUNDINGS_OF_SINGLE, SINGLE, nearest};
+use crate::signal::{BITS_OF_SINGLE, MAX_ROUNDINGS_OF_SINGLE, nearest};
 use crate::state::{Ensemble, period};
 
 /// A part of a loop, after a step of size `h`, that its samples do not resolve.
@@ -136,7 +136,7 @@ impl Evaluator<'_> {
     /// more than rounding.
     pub fn compare(&self, c: usize, [first, again]: [f64; 2], jump: f64) {
         let size = nearest(again - first, period(self.coordinates(), c)).abs();
-        let single = ROUNDINGS_OF_SINGLE * 0.5f64.powi(SINGLE as i32);
+        let single = MAX_ROUNDINGS_OF_SINGLE * 0.5f64.powi(BITS_OF_SINGLE as i32);
         let is_rounding = size <= single * first.abs().max(again.abs());
         if is_rounding || size < 0.5 * jump.abs() {
             return;

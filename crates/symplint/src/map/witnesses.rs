@@ -6,10 +6,10 @@ use super::Grain;
 use crate::state::{Block, Ensemble};
 
 /// Loops whose states are kept: the given one and three others.
-const MOST_LOOPS: usize = 4;
+const MAX_LOOPS: usize = 4;
 
 /// Batches of no more coordinates than this are kept as a whole, so that they can be repeated: 4 MiB.
-const MOST_COORDINATES: usize = 1 << 19;
+const MAX_COORDINATES: usize = 1 << 19;
 
 /// States of one batch, before and after the step.
 #[derive(Clone, Debug)]
@@ -71,7 +71,7 @@ impl Recorder {
             count => (0..count).map(|k| k * last / (count - 1)).collect(),
         };
         let before = rows_of(block, &rows);
-        let is_small = 2 * block.dof() * block.len() <= MOST_COORDINATES;
+        let is_small = 2 * block.dof() * block.len() <= MAX_COORDINATES;
         let whole = is_small.then(|| block.copy_of(0..block.len()));
         Some(Taken {
             rows,
@@ -108,7 +108,7 @@ impl WitnessStore {
     /// How many states of a block are to be kept, if any.
     fn wanted(&self, block: &Block<'_>) -> Option<usize> {
         let affordable = Grain::is_affordable(block.dof());
-        if self.states == 0 || !affordable || block.len() < 2 || self.phase_loop >= MOST_LOOPS {
+        if self.states == 0 || !affordable || block.len() < 2 || self.phase_loop >= MAX_LOOPS {
             return None;
         }
         let mut of_loop = (self.witnesses.iter())
@@ -126,7 +126,7 @@ impl WitnessStore {
 impl Witnesses {
     /// How many states are kept in a diagnosis at most, if this number is asked for.
     pub fn most(states: usize) -> usize {
-        2 * states + (MOST_LOOPS - 1) * states.div_ceil(2)
+        2 * states + (MAX_LOOPS - 1) * states.div_ceil(2)
     }
 
     /// Whether these are states of the loop that is advanced first.

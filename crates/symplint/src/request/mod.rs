@@ -10,8 +10,8 @@ mod value;
 use std::collections::BTreeMap;
 
 pub use number::parse as parse_number;
-pub use settings::{MOST_SAMPLES, SETTINGS};
-pub use value::{Accept, MOST_WHOLE, Part, Refused, Value};
+pub use settings::{MAX_SAMPLES, SETTINGS};
+pub use value::{Accept, MAX_WHOLE_NUMBER, Part, Refused, Value};
 
 use crate::diagnosis::Diagnostic;
 use crate::rules::Rule;

@@ -1,23 +1,23 @@
 //! The table of settings.
 
-use super::{Accept, MOST_WHOLE, Refused, Setting, Value};
-use crate::diagnosis::{Diagnostic, LEAST_BUDGET, MOST_LOOPS, SampleCount, SampleSweep};
+use super::{Accept, MAX_WHOLE_NUMBER, Refused, Setting, Value};
+use crate::diagnosis::{Diagnostic, MAX_LOOPS, MIN_BUDGET, SampleCount, SampleSweep};
 use crate::rules::{Closure, Cutoff, Cutoffs, Rule, RuleKind, Streaming};
 
 /// Halvings of the step size at most: from 1 they reach far below round-off.
-const LONGEST: usize = 64;
+const MAX_HALVINGS: usize = 64;
 
 /// Samples of one loop at most. An ensemble of them takes 4 GiB for each degree of freedom.
-pub const MOST_SAMPLES: u64 = 1 << 28;
+pub const MAX_SAMPLES: u64 = 1 << 28;
 
 /// The map is composed with itself at most this number of times.
-const MOST_REPEATS: u64 = 1_000_000;
+const MAX_REPEATS: u64 = 1_000_000;
 
 /// Steps of a long-time run at most.
-const MOST_STEPS: u64 = 100_000_000;
+const MAX_STEPS: u64 = 100_000_000;
 
 /// Order of a method at most: composition and extrapolation reach a few tens.
-const MOST_ORDER: u64 = 100;
+const MAX_ORDER: u64 = 100;
 
 /// Every setting of a diagnosis. They are read in this order.
 pub const SETTINGS: &[Setting] = &[
@@ -46,14 +46,14 @@ pub const SETTINGS: &[Setting] = &[
         "repeat",
         "1",
         "the map is composed with itself this number of times",
-        |of, value| (value.whole(1, MOST_REPEATS)).map(|count| of.repeat = count as usize),
+        |of, value| (value.whole(1, MAX_REPEATS)).map(|count| of.repeat = count as usize),
     ),
     with_default(
         "samples",
         "\"auto\"",
         "samples of the loop: \"auto\", or a number from 3",
         |of, value| {
-            let count = value.whole_or_auto(3, MOST_SAMPLES)?;
+            let count = value.whole_or_auto(3, MAX_SAMPLES)?;
             let fixed = |count| SampleCount::Fixed(count as usize);
             of.samples = count.map_or(SampleCount::Auto, fixed);
             Ok(())
@@ -64,7 +64,7 @@ pub const SETTINGS: &[Setting] = &[
         "\"auto\"",
         "largest number of evaluations (states advanced by one step): \"auto\", or a number from 200",
         |of, value| {
-            let budget = value.whole_or_auto(LEAST_BUDGET as u64, MOST_WHOLE)?;
+            let budget = value.whole_or_auto(MIN_BUDGET as u64, MAX_WHOLE_NUMBER)?;
             of.budget = budget.map(|budget| budget as usize);
             Ok(())
         },
@@ -88,7 +88,10 @@ pub const SETTINGS: &[Setting] = &[
         "10",
         "m of the streaming rule, 8 to 16: its differences of order 2m use m samples on either side",
         |of, value| {
-            let (least, most) = (Streaming::NARROWEST as u64, Streaming::WIDEST as u64);
+            let (least, most) = (
+                Streaming::MIN_HALF_WIDTH as u64,
+                Streaming::MAX_HALF_WIDTH as u64,
+            );
             (value.whole(least, most)).map(|width| of.streaming.half_width = width as usize)
         },
     ),
@@ -126,7 +129,7 @@ pub const SETTINGS: &[Setting] = &[
         "loops",
         "8",
         "number of loops; all after the first are random, and use the largest step size",
-        |of, value| (value.whole(1, MOST_LOOPS as u64)).map(|count| of.loops = count as usize),
+        |of, value| (value.whole(1, MAX_LOOPS as u64)).map(|count| of.loops = count as usize),
     ),
     with_default("seed", "1", "seed of the random loops", |of, value| {
         value.whole(0, u64::MAX).map(|seed| of.seed = seed)
@@ -141,13 +144,13 @@ pub const SETTINGS: &[Setting] = &[
         "steps",
         "0",
         "the loop is also followed for this number of steps of the largest size, to test whether a defect accumulates",
-        |of, value| (value.whole(0, MOST_STEPS)).map(|count| of.long_time = count as usize),
+        |of, value| (value.whole(0, MAX_STEPS)).map(|count| of.long_time = count as usize),
     ),
     optional(
         "order",
         "2",
         "order of the method, if you know it: the report then names a defect that this order does not explain",
-        |of, value| (value.whole(1, MOST_ORDER)).map(|order| of.order = Some(order as usize)),
+        |of, value| (value.whole(1, MAX_ORDER)).map(|order| of.order = Some(order as usize)),
     ),
     with_default(
         "jacobian",
@@ -310,7 +313,7 @@ fn halved(value: &Value) -> Result<Vec<f64>, Refused> {
     };
     let (from, to) = (one("from")?, one("to")?);
     // One step size more than allowed shows that there are too many.
-    let sizes: Vec<f64> = (0..=LONGEST + 1)
+    let sizes: Vec<f64> = (0..=MAX_HALVINGS + 1)
         .map(|m| from * 0.5f64.powi(m as i32))
         .take_while(|&h| h >= to * (1.0 - 1e-9))
         .collect();
@@ -320,10 +323,10 @@ fn halved(value: &Value) -> Result<Vec<f64>, Refused> {
             "step sizes are halved: let `from` be the larger one",
         ));
     }
-    if sizes.len() > LONGEST + 1 {
+    if sizes.len() > MAX_HALVINGS + 1 {
         return Err(Refused::new(
-            format!("from {from} to {to} takes more than {LONGEST} halvings"),
-            format!("give a range of at most {LONGEST} halvings"),
+            format!("from {from} to {to} takes more than {MAX_HALVINGS} halvings"),
+            format!("give a range of at most {MAX_HALVINGS} halvings"),
         ));
     }
     Ok(sizes)
@@ -331,7 +334,7 @@ fn halved(value: &Value) -> Result<Vec<f64>, Refused> {
 
 fn sample_sweep(value: &Value) -> Result<SampleSweep, Refused> {
     let whole = |name, default| {
-        let count = value.key(name, |item| item.whole(3, MOST_SAMPLES))?;
+        let count = value.key(name, |item| item.whole(3, MAX_SAMPLES))?;
         Ok::<u64, Refused>(count.unwrap_or(default))
     };
     let (from, to) = (whole("from", 1 << 6)?, whole("to", 1 << 15)?);

@@ -124,7 +124,7 @@ impl Refused {
 }
 
 /// The largest whole number: doubles represent every one up to 2^53, and round some beyond.
-pub const MOST_WHOLE: u64 = 9_000_000_000_000_000;
+pub const MAX_WHOLE_NUMBER: u64 = 9_000_000_000_000_000;
 
 impl Value {
     /// The type of the value, for messages.

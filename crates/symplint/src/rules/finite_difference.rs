@@ -78,18 +78,18 @@ pub struct OmittedCell {
 
 /// An increment this part of the one over twice the distance has not halved: a jump. Half way between ½, which is
 /// smooth, and 1.
-const STAYS: f64 = 0.75;
+const MIN_PART_AT_JUMP: f64 = 0.75;
 
 /// A jump is this many times the mean increment, or more: a smooth loop of a few modes has increments of a few times
 /// the mean.
-const STEEP: f64 = 20.0;
+const MIN_JUMP_OVER_MEAN: f64 = 20.0;
 
 /// Pairs of neighbouring cells that are summed side by side: one in each lane of the widest vector register.
 const PAIRS: usize = 8;
 
 /// The sum over every second cell is off by twice as much, so that their difference is the error of the rule to leading
 /// order: this many times it covers the terms that follow. In the truth set the largest ratio is 1.31.
-const MARGIN: f64 = 2.0;
+const ERROR_MARGIN: f64 = 2.0;
 
 /// Cells of this number of pairs.
 const CELLS: usize = 2 * PAIRS;
@@ -118,7 +118,7 @@ impl<'a> ClosedRow<'a> {
             gain,
             largest,
             most: cutoff.slope(largest),
-            steep: STEEP * variation(row, gain) / row.len() as f64,
+            steep: MIN_JUMP_OVER_MEAN * variation(row, gain) / row.len() as f64,
         }
     }
 
@@ -141,7 +141,7 @@ impl<'a> ClosedRow<'a> {
     /// Whether an increment has not halved from the pair of cells to one of them.
     #[inline(always)]
     fn jumps(&self, increment: f64, over_pair: f64) -> bool {
-        (increment.abs() > STAYS * over_pair.abs()) & (increment.abs() > self.steep)
+        (increment.abs() > MIN_PART_AT_JUMP * over_pair.abs()) & (increment.abs() > self.steep)
     }
 }
 
@@ -339,7 +339,8 @@ fn integrate(q: &[f64], gain: f64, p: &[f64], cutoffs: &Cutoffs) -> RowIntegral 
         UNIT_ROUNDOFF * (row.q.largest * p_squared.sqrt() + row.p.largest * q_squared.sqrt());
     RowIntegral {
         value,
-        quadrature_error: (q.len() >= 6).then(|| MARGIN * (value - coarse).abs() + sums.uncertain),
+        quadrature_error: (q.len() >= 6)
+            .then(|| ERROR_MARGIN * (value - coarse).abs() + sums.uncertain),
         roundoff: stored + 2.0 * UNIT_ROUNDOFF * scale,
         scale,
         omitted: sums.omitted,

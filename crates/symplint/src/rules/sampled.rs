@@ -113,12 +113,14 @@ pub(super) fn ranges_of(ensemble: &Ensemble, dof: usize) -> [f64; 2] {
 /// Whether the cell of a break is among those that make up the integral.
 fn retains(integral: &LoopIntegral, found: &Break, samples: usize) -> bool {
     /// A break this near to a sample, in cells, may be in the cell on either side.
-    const EDGE: f64 = 1e-6;
+    const MAX_DISTANCE_TO_SAMPLE: f64 = 1e-6;
     let position = found.s * samples as f64;
     integral.omitted.as_ref().is_none_or(|omitted| {
         !omitted.iter().any(|cell| {
             let from = cell.cell as f64;
-            cell.dof == found.dof && (from - EDGE..=from + 1.0 + EDGE).contains(&position)
+            cell.dof == found.dof
+                && (from - MAX_DISTANCE_TO_SAMPLE..=from + 1.0 + MAX_DISTANCE_TO_SAMPLE)
+                    .contains(&position)
         })
     })
 }

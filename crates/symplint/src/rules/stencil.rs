@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 /// What lies beyond the Nyquist mode is as large as what a high difference shows near it, and folds back upon slopes: this many times their
 /// product counts. 2 is 1.4 standard deviations of white noise, and six times the error that a kink makes.
-pub(super) const FOLDED: f64 = 2.0;
+pub(super) const ALIASING_FACTOR: f64 = 2.0;
 
 /// Coefficients of the stencils of half width m: m neighbours on either side.
 #[derive(Clone, Debug)]

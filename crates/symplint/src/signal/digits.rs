@@ -10,27 +10,27 @@ pub(crate) enum Format {
 }
 
 /// Binary digits of single precision.
-pub(crate) const SINGLE: usize = 24;
+pub(crate) const BITS_OF_SINGLE: usize = 24;
 
 /// Two results for one state that are more than this many roundings of single precision apart do not differ by rounding of any arithmetic in
 /// use, but by random numbers, or as a solver does that starts at random. Sums add up some roundings. Conventional.
-pub(crate) const ROUNDINGS_OF_SINGLE: f64 = 4.0;
+pub(crate) const MAX_ROUNDINGS_OF_SINGLE: f64 = 4.0;
 
 /// Decimal digits that doubles do not have by accident: of 64 random ones, none has so few.
-const FEW: u8 = 10;
+const FEW_DIGITS: u8 = 10;
 
 /// Binary digits that doubles do not have by accident: arithmetic of fewer digits gives no more than these.
 pub(crate) const FEW_BITS: i32 = 40;
 
 /// Different values that are needed to tell.
-const ENOUGH: u32 = 16;
+const MIN_VALUES: u32 = 16;
 
 /// The digits of all values of a coordinate so far.
 #[derive(Clone, Copy)]
 pub(crate) struct Digits {
-    /// Decimal digits that are enough for all of them; more than [`FEW`] if that is not so.
+    /// Decimal digits that are enough for all of them; more than [`FEW_DIGITS`] if that is not so.
     decimal: u8,
-    /// The exponent of the power of ten of which all of them are multiples, as far as it is above that of [`FEW`]
+    /// The exponent of the power of ten of which all of them are multiples, as far as it is above that of [`FEW_DIGITS`]
     /// digits of the largest, while those are enough.
     place: i16,
     /// Binary digits that are enough for all of them.
@@ -58,7 +58,7 @@ impl Default for Digits {
 
 impl Digits {
     pub fn add(&mut self, value: f64) {
-        if self.decimal <= FEW {
+        if self.decimal <= FEW_DIGITS {
             self.add_decimal(value);
         }
         let (lowest, bits) = binary(value);
@@ -71,8 +71,8 @@ impl Digits {
 
     fn add_decimal(&mut self, value: f64) {
         // Most doubles have more digits, which one test shows.
-        if !has_digits(value, FEW.into()) {
-            self.decimal = FEW + 1;
+        if !has_digits(value, FEW_DIGITS.into()) {
+            self.decimal = FEW_DIGITS + 1;
             return;
         }
         while !has_digits(value, self.decimal.into()) {
@@ -81,7 +81,7 @@ impl Digits {
         if value != 0.0 {
             let size = value.abs().log10().floor() as i16;
             self.place = self.place.min(size);
-            while self.place > size - i16::from(FEW) && !is_multiple(value, self.place) {
+            while self.place > size - i16::from(FEW_DIGITS) && !is_multiple(value, self.place) {
                 self.place -= 1;
             }
         }
@@ -92,17 +92,17 @@ impl Digits {
         if !(self.largest > 0.0 && self.largest.is_finite()) {
             return None;
         }
-        if self.seen.count_ones() < ENOUGH {
+        if self.seen.count_ones() < MIN_VALUES {
             return None;
         }
         let first = self.largest.log10().floor() as i16;
         // A fixed number of decimals has as many digits as are needed in its largest number, and no more.
         let fixed = i64::from(first) + 1 - i64::from(self.place);
-        if self.decimal <= FEW && (1..=i64::from(self.decimal)).contains(&fixed) {
+        if self.decimal <= FEW_DIGITS && (1..=i64::from(self.decimal)).contains(&fixed) {
             let unit = 10f64.powi(self.place.into());
             return Some((Format::Decimal(fixed as usize), unit));
         }
-        if self.decimal <= FEW {
+        if self.decimal <= FEW_DIGITS {
             let digits = usize::from(self.decimal);
             let unit = 10f64.powi(i32::from(first) + 1 - digits as i32);
             return Some((Format::Decimal(digits), unit));

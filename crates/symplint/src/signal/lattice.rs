@@ -4,14 +4,14 @@
 //! spacing has no short decimal or binary representation. It divides all differences of the numbers: Euclid's algorithm finds it.
 
 /// Numbers are on a lattice but for the rounding of a product or quotient: this number of roundings of the largest.
-const ROUNDINGS: f64 = 4.0;
+const MAX_ROUNDINGS: f64 = 4.0;
 
 /// A remainder below this part of a spacing counts as 0. Of numbers on no lattice one in 32 has such a remainder: that
-/// all of [`FEWEST`] differences and more do has a chance of 1e-7.
-const REMAINDER: f64 = 1.0 / 64.0;
+/// all of [`MIN_DIFFERENCES`] differences and more do has a chance of 1e-7.
+const MAX_REMAINDER: f64 = 1.0 / 64.0;
 
 /// Differences that are needed to tell.
-const FEWEST: usize = 6;
+const MIN_DIFFERENCES: usize = 6;
 
 /// The different ones of some numbers, in ascending order: those apart by the rounding of a product count as one.
 pub(crate) struct Levels {
@@ -25,7 +25,7 @@ impl Levels {
         let mut values: Vec<f64> = values.collect();
         values.sort_by(f64::total_cmp);
         let largest = values.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
-        let rounding = ROUNDINGS * f64::EPSILON * largest;
+        let rounding = MAX_ROUNDINGS * f64::EPSILON * largest;
         values.dedup_by(|x, before| *x - *before <= rounding);
         Levels { values, rounding }
     }
@@ -59,7 +59,7 @@ impl Levels {
 
     fn of_all(&self) -> Option<f64> {
         let mut differences = self.differences();
-        if differences.len() < FEWEST {
+        if differences.len() < MIN_DIFFERENCES {
             return None;
         }
         differences.sort_by(f64::total_cmp);
@@ -71,7 +71,7 @@ impl Levels {
         let origin = self.values[0];
         for value in &self.values[1..] {
             let multiple = ((value - origin) / spacing).round();
-            if (value - origin - multiple * spacing).abs() > 2.0 * REMAINDER * spacing {
+            if (value - origin - multiple * spacing).abs() > 2.0 * MAX_REMAINDER * spacing {
                 return None;
             }
             spacing = (value - origin) / multiple;
@@ -82,12 +82,12 @@ impl Levels {
     /// Of two differences, the second of which is not larger; `None` where it is not far above their rounding.
     fn common_divisor(&self, mut large: f64, mut small: f64) -> Option<f64> {
         loop {
-            if REMAINDER * small <= 2.0 * self.rounding {
+            if MAX_REMAINDER * small <= 2.0 * self.rounding {
                 return None;
             }
             let multiple = (large / small).round();
             let remainder = (large - multiple * small).abs();
-            if remainder <= REMAINDER * small {
+            if remainder <= MAX_REMAINDER * small {
                 return Some(large / multiple);
             }
             (large, small) = (small, remainder);

@@ -12,7 +12,9 @@ mod unwrap;
 
 pub(crate) use barycentric::Barycentric;
 pub(crate) use compensated_sum::{CompensatedSum, UNIT_ROUNDOFF};
-pub(crate) use digits::{Digits, FEW_BITS, Format, ROUNDINGS_OF_SINGLE, SINGLE, binary_digits};
+pub(crate) use digits::{
+    BITS_OF_SINGLE, Digits, FEW_BITS, Format, MAX_ROUNDINGS_OF_SINGLE, binary_digits,
+};
 pub(crate) use extent::Extent;
 pub(crate) use largest::largest;
 pub(crate) use lattice::Levels;
@@ -39,7 +41,7 @@ pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
 
 /// A map may round inside by this part of the range of a coordinate, and the coordinate itself by less. Conventional: half of the digits
 /// of double precision.
-pub(crate) const ROUNDING_INSIDE: f64 = 1.5e-8;
+pub(crate) const MAX_ROUNDING_INSIDE: f64 = 1.5e-8;
 
 /// A defect this many times its uncertainty is significant.
 ///

@@ -61,23 +61,23 @@ impl SixthDifferences {
 /// States on both sides of the one in the middle of a row, in spacings. They are not equidistant: stairs whose height divides the
 /// spacing would
 /// look straight.
-pub(crate) const BESIDE: [f64; 12] = [
+pub(crate) const NODES_BESIDE: [f64; 12] = [
     -5.81, -5.23, -3.88, -3.17, -1.83, -0.92, 1.13, 2.21, 2.94, 4.27, 4.79, 6.17,
 ];
 
 /// Neighbours of a row that may be equal: rows of more lie on one stair of what rounds them.
-const MOST_EQUAL: usize = 2;
+const MAX_EQUAL_NEIGHBOURS: usize = 2;
 
 /// Noise at one place counts no more than this many times that at others: a break may lie near it.
-pub(crate) const MOST_OF_OTHERS: f64 = 16.0;
+pub(crate) const MAX_OVER_OTHERS: f64 = 16.0;
 
-/// The sixth differences of a row: of the states [`BESIDE`] the middle, and of that.
+/// The sixth differences of a row: of the states [`NODES_BESIDE`] the middle, and of that.
 pub(crate) fn of_a_row() -> SixthDifferences {
-    SixthDifferences::at(&row(BESIDE, 0.0))
+    SixthDifferences::at(&row(NODES_BESIDE, 0.0))
 }
 
-fn row(beside: [f64; BESIDE.len()], middle: f64) -> [f64; BESIDE.len() + 1] {
-    let (before, after) = beside.split_at(BESIDE.len() / 2);
+fn row(beside: [f64; NODES_BESIDE.len()], middle: f64) -> [f64; NODES_BESIDE.len() + 1] {
+    let (before, after) = beside.split_at(NODES_BESIDE.len() / 2);
     let mut all = before.iter().chain([&middle]).chain(after);
     std::array::from_fn(|_| *all.next().expect("one more than there are beside it"))
 }
@@ -95,14 +95,14 @@ pub(crate) struct Noise {
 
 impl Noise {
     /// Adds the differences of the neighbouring values from the value in the middle, at one spacing; `of_a_row` is [`of_a_row`].
-    pub fn add(&mut self, of_a_row: &SixthDifferences, differences: [f64; BESIDE.len()]) {
+    pub fn add(&mut self, of_a_row: &SixthDifferences, differences: [f64; NODES_BESIDE.len()]) {
         if self.resolved {
             return;
         }
         let row = row(differences, 0.0);
         let shown = of_a_row.root_mean_square(&row);
         let equal = row.windows(2).filter(|pair| pair[0] == pair[1]).count();
-        self.resolved = equal <= MOST_EQUAL;
+        self.resolved = equal <= MAX_EQUAL_NEIGHBOURS;
         self.value = match self.resolved {
             true => shown,
             false => self.value.max(shown),

@@ -12,22 +12,22 @@ use crate::state::{Coordinates, Ensemble, coordinate, in_parallel, period};
 
 /// Rows through which a polynomial is laid, half of them on each side of a cell. The first order is for comparison only.
 const ORDERS: [usize; 5] = [4, 6, 8, 10, 12];
-const OF_ROWS: usize = ORDERS[ORDERS.len() - 1];
+const HIGHEST_ORDER: usize = ORDERS[ORDERS.len() - 1];
 
 /// Rows of the polynomials that measure arc lengths, and how often they are measured again. Arc length is exact to the order of
 /// the polynomials after three passes, as each gains two orders; wide gaps take more.
 const ARC_ORDER: usize = 8;
-const PASSES: usize = 6;
+const ARC_PASSES: usize = 6;
 
 /// Rows of a polynomial are at least this part of the cell apart: nearer ones amplify rounding. Derived: nodes at distances of an
 /// eighth of a gap amplify it by less than a thousand at order 12.
-const LEAST_DISTANCE: f64 = 0.125;
+const MIN_DISTANCE: f64 = 0.125;
 
 /// For each order and degree of freedom: the integral over some cells, the area between it and the order before, and absolute values.
 type Sums = Vec<Vec<[f64; 3]>>;
 
 /// Cells that are integrated together.
-const CHUNK: usize = 256;
+const CELLS_OF_CHUNK: usize = 256;
 
 /// One coordinate round the loop.
 struct Row {
@@ -78,7 +78,7 @@ pub(super) fn best(before: &Integrals, after: &Integrals) -> Option<(LoopIntegra
 }
 
 /// Numbers that belong to the rows of a polynomial, zeros after the last. An array, because a loop has millions of them.
-type OfRows = [f64; OF_ROWS];
+type OfRows = [f64; HIGHEST_ORDER];
 
 /// A point of a cell at which a polynomial is evaluated.
 struct Node {
@@ -130,7 +130,7 @@ impl ArcLength {
         };
         let quadrature = gauss_legendre(ARC_ORDER);
         let mut found = ArcLength::from_cells((n..2 * n).map(distance).collect())?;
-        for _ in 0..PASSES {
+        for _ in 0..ARC_PASSES {
             let speed = |node: &Node, values: &[OfRows]| {
                 let slopes = values.iter().map(|row| dot(&node.slopes, row).powi(2));
                 node.weight * slopes.sum::<f64>().sqrt()
@@ -142,7 +142,7 @@ impl ArcLength {
                     .collect();
                 Some(stencil.nodes.iter().map(|node| speed(node, &values)).sum())
             };
-            let cells = in_parallel(0..n, OF_ROWS * OF_ROWS, of_cell);
+            let cells = in_parallel(0..n, HIGHEST_ORDER * HIGHEST_ORDER, of_cell);
             found = ArcLength::from_cells(cells.into_iter().collect::<Option<_>>()?)?;
         }
         Some(found)
@@ -191,7 +191,7 @@ impl ArcLength {
                 nodes: Vec::new(),
             });
         }
-        let least = LEAST_DISTANCE * width;
+        let least = MIN_DISTANCE * width;
         let mut rows = Vec::with_capacity(order);
         rows.push(first);
         let before = (last - n + 1..first).rev();
@@ -252,9 +252,9 @@ impl ArcLength {
             .collect();
         let roundings: Vec<f64> = (0..2 * dof).map(|c| rounding_of(states, c)).collect();
         let n = states.samples();
-        let quadrature = gauss_legendre(OF_ROWS);
+        let quadrature = gauss_legendre(HIGHEST_ORDER);
         // Of about the same size, so that each has enough cells for a median.
-        let chunk = n.div_ceil(n.div_ceil(CHUNK));
+        let chunk = n.div_ceil(n.div_ceil(CELLS_OF_CHUNK));
         let of_cells = |first: usize| -> Sums {
             let cells = first..n.min(first + chunk);
             let stencils: Vec<[Option<Stencil>; ORDERS.len()]> = (cells.clone())
@@ -291,7 +291,11 @@ impl ArcLength {
             sums
         };
         let firsts: Vec<usize> = (0..n).step_by(chunk).collect();
-        let chunks = in_parallel(firsts, OF_ROWS * OF_ROWS * chunk * ORDERS.len(), of_cells);
+        let chunks = in_parallel(
+            firsts,
+            HIGHEST_ORDER * HIGHEST_ORDER * chunk * ORDERS.len(),
+            of_cells,
+        );
         let mut integrals = [const { None }; ORDERS.len() - 1];
         for (order, integral) in integrals.iter_mut().enumerate() {
             let (mut total, mut error, mut scale) = (CompensatedSum::default(), 0.0, 0.0);
@@ -385,13 +389,13 @@ impl Polynomials {
 /// Polynomials of order 12 and 10 differ by a distance, and polynomials of order 8 and 6 by another. Across a jump the ratio of the
 /// first to the second is at least this number. Derived: 0.39 in the cell of the jump, more in the cells next to it; less than 0.1 on
 /// smooth loops that are resolved.
-const STAYS: f64 = 0.35;
+const MIN_RATIO_AT_JUMP: f64 = 0.35;
 
 /// A jump is at most this many times as large as the polynomials of order 12 and 10 are apart in a cell next to it. Derived: 190.
-const JUMP_OVER_DISTANCE: f64 = 200.0;
+const MAX_JUMP_OVER_DISTANCE: f64 = 200.0;
 
 /// Noise of the rows separates polynomials everywhere, and a jump by this factor more than in most cells. Conventional.
-const OVER_MEDIAN: f64 = 10.0;
+const MIN_JUMP_OVER_MEDIAN: f64 = 10.0;
 
 /// What jumps of one degree of freedom may contribute that rows in any spacing hide, from the distances of polynomials of each order
 /// in each cell, and the momentum there. Their order of convergence shows them.
@@ -405,9 +409,10 @@ fn jumps_between(cells: &[([[f64; 2]; ORDERS.len()], f64)], roundings: [f64; 2])
     let of_cell = |(at, momentum): &([[f64; 2]; ORDERS.len()], f64)| {
         let [jump_q, jump_p] = [0, 1].map(|c| {
             let distance = at[last][c];
-            let stays = distance > STAYS * at[eight][c] && distance > OVER_MEDIAN * medians[c];
+            let stays = distance > MIN_RATIO_AT_JUMP * at[eight][c]
+                && distance > MIN_JUMP_OVER_MEDIAN * medians[c];
             match stays && distance > roundings[c] {
-                true => JUMP_OVER_DISTANCE * distance,
+                true => MAX_JUMP_OVER_DISTANCE * distance,
                 false => 0.0,
             }
         });

@@ -6,7 +6,7 @@ use super::increments::Increments;
 use super::pieces::{Curve, Pieces, stored_roundoff};
 use crate::breaks::{Break, Jump, Roughness, find_jumps};
 use crate::error::Error;
-use crate::evidence::{FEWEST_SAMPLES, Motion, Wrap};
+use crate::evidence::{MIN_SAMPLES, Motion, Wrap};
 use crate::map::{Before, Grain};
 use crate::rules::Defect;
 use crate::rules::{LoopIntegral, OmittedCell, Rule, RuleKind};
@@ -16,27 +16,27 @@ use crate::survey::motion;
 
 /// A jump of this part of a coordinate's whole range is a wrap in a periodic box: samples leave a gap of up to one
 /// increment at either end of it.
-const WRAP: f64 = 0.98;
+const MIN_WRAP: f64 = 0.98;
 
 /// Rows count as unequally spaced if that leaves an integral with an error this many times smaller. Conventional: two digits, so that
 /// noise and kinks do not choose the rule.
-const LEAST_GAIN: f64 = 100.0;
+const MIN_GAIN: f64 = 100.0;
 
 /// A gap with a larger error, relative to the integral, is taken for an open loop. Conventional: two digits.
 const MAX_RELATIVE_ERROR: f64 = 0.01;
 
 /// Below this error, relative to the integral, equal spacing is not questioned. Conventional: three digits less than the weakest bound.
-const SMALL_ERROR: f64 = 1e-9;
+const MAX_ERROR_OF_EQUAL_SPACING: f64 = 1e-9;
 
 /// A jump between unequally spaced rows exceeds every increment around it, each as steep as the steepest and as wide as the widest, by
 /// this factor. Conventional.
-const JUMP_OVER_SPACING: f64 = 4.0;
+const MIN_JUMP_OVER_SPACING: f64 = 4.0;
 
 /// Cells on each side of a jump that its confirmation uses.
-const AROUND_A_JUMP: usize = 10;
+const CELLS_BESIDE_JUMP: usize = 10;
 
 /// Gains round a loop that differ by less than this part are one: they are whole numbers of periods, to round-off.
-const SAME_GAIN: f64 = 1e-9;
+const MAX_DIFFERENCE_OF_GAINS: f64 = 1e-9;
 
 /// The loop before the step.
 pub(super) struct Initial<'a> {
@@ -139,7 +139,8 @@ impl Row {
         let [q, p] = &self.roughness;
         let range = Extent::of(row).length();
         let is_wrap = |jump: &&Jump| {
-            jump.size.abs() >= WRAP * range && p.jumps.iter().all(|other| other.cell != jump.cell)
+            jump.size.abs() >= MIN_WRAP * range
+                && p.jumps.iter().all(|other| other.cell != jump.cell)
         };
         q.jumps.iter().find(is_wrap).map(|jump| Wrap {
             dof,
@@ -248,7 +249,7 @@ fn smooth(
     }
     let unresolved = (rows.iter().flat_map(|row| &row.roughness)).any(|rough| rough.unresolved);
     integral.quadrature_error = (integral.quadrature_error)
-        .filter(|_| !unresolved && states.samples() >= FEWEST_SAMPLES)
+        .filter(|_| !unresolved && states.samples() >= MIN_SAMPLES)
         .map(|error| error + weighted(&Row::hidden));
     Ok(integral)
 }
@@ -279,8 +280,9 @@ impl<'a> Initial<'a> {
     fn look_at_spacing(&mut self, rows: &[Row]) -> Result<(), Error> {
         let states = &self.snapshot.states;
         let error = self.integral.quadrature_error.unwrap_or(f64::INFINITY);
-        let is_exact = self.broken.is_none() && error <= SMALL_ERROR * self.integral.value.abs();
-        if is_exact || states.samples() < FEWEST_SAMPLES {
+        let is_exact = self.broken.is_none()
+            && error <= MAX_ERROR_OF_EQUAL_SPACING * self.integral.value.abs();
+        if is_exact || states.samples() < MIN_SAMPLES {
             return Ok(());
         }
         let Some(arcs) = ArcLength::of(states, self.coordinates) else {
@@ -292,11 +294,7 @@ impl<'a> Initial<'a> {
         };
         let smaller = integral.quadrature_error.unwrap_or(f64::INFINITY);
         // Of a loop that jumps, equal spacing is out of the question.
-        let gain = if self.broken.is_some() {
-            1.0
-        } else {
-            LEAST_GAIN
-        };
+        let gain = if self.broken.is_some() { 1.0 } else { MIN_GAIN };
         if gain * smaller < error && smaller < MAX_RELATIVE_ERROR * integral.value.abs() {
             (self.broken, self.wrapped) = (None, None);
             self.arcs = Some((arcs, found));
@@ -329,7 +327,8 @@ impl<'a> Initial<'a> {
     /// Leaves of the jumps those that lost rows do not explain.
     fn confirm_jumps(&self, arcs: &ArcLength, rows: &mut [Row]) {
         let around = |cell: usize, n: usize| {
-            (0..=2 * AROUND_A_JUMP).map(move |j| (cell + n * AROUND_A_JUMP + j - AROUND_A_JUMP) % n)
+            (0..=2 * CELLS_BESIDE_JUMP)
+                .map(move |j| (cell + n * CELLS_BESIDE_JUMP + j - CELLS_BESIDE_JUMP) % n)
         };
         for row in rows {
             for (increments, roughness) in row.increments.iter().zip(&mut row.roughness) {
@@ -342,7 +341,7 @@ impl<'a> Initial<'a> {
                         .filter(|&k| k != jump.cell)
                         .map(|k| values[k].abs() / arcs.width(k))
                         .fold(0.0, f64::max);
-                    jump.confirmed &= jump.size.abs() > JUMP_OVER_SPACING * steepest * widest;
+                    jump.confirmed &= jump.size.abs() > MIN_JUMP_OVER_SPACING * steepest * widest;
                 }
             }
         }
@@ -382,7 +381,7 @@ impl<'a> Initial<'a> {
         // No continuous map changes how often a loop winds.
         let winds = |(row, before): (&Row, &f64)| {
             let change = (row.increments[0].gain - before).abs();
-            change > SAME_GAIN * before.abs().max(row.increments[0].gain.abs())
+            change > MAX_DIFFERENCE_OF_GAINS * before.abs().max(row.increments[0].gain.abs())
         };
         if rows.iter().zip(&self.windings).any(winds) {
             compared.integral.quadrature_error = None;
@@ -466,7 +465,7 @@ impl<'a> Initial<'a> {
                 .map(move |cell| OmittedCell { dof, cell })
         };
         let omitted: Vec<OmittedCell> = rows.iter().enumerate().flat_map(cells).collect();
-        let known = !unresolved && samples >= FEWEST_SAMPLES;
+        let known = !unresolved && samples >= MIN_SAMPLES;
         let integral = LoopIntegral {
             value: value.total(),
             contributions,

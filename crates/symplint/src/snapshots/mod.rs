@@ -152,7 +152,7 @@ pub fn measure_snapshots(
 /// are not as near, or rounding to few digits may have made them the same.
 fn closes(snapshot: &Snapshot, coordinates: &Coordinates) -> bool {
     /// Neighbours are this many times the rounding of a row apart at least. Conventional.
-    const APART: f64 = 8.0;
+    const MIN_DISTANCE_IN_ROUNDINGS: f64 = 8.0;
     let states = &snapshot.states;
     let (dof, last) = (states.dof(), states.samples() - 1);
     let stored = snapshot.unit_roundoff.max(Snapshot::DOUBLE);
@@ -163,7 +163,10 @@ fn closes(snapshot: &Snapshot, coordinates: &Coordinates) -> bool {
             nearest(row[b] - row[a], period(coordinates, c)).abs() > roundings * rounding
         })
     };
-    last >= 3 && !differ(0, last, 1.0) && differ(0, 1, APART) && differ(last - 1, last, APART)
+    last >= 3
+        && !differ(0, last, 1.0)
+        && differ(0, 1, MIN_DISTANCE_IN_ROUNDINGS)
+        && differ(last - 1, last, MIN_DISTANCE_IN_ROUNDINGS)
 }
 
 fn breaks_at(step: &LoopComparison) -> impl Iterator<Item = BreakAt> + '_ {

@@ -72,12 +72,12 @@ impl<'a> Block<'a> {
         work: impl FnOnce(&mut Block<'_>) -> Result<(), E>,
     ) -> Result<(), E> {
         /// Rows of q, and of p, that may be pages apart.
-        const SCATTERED: usize = 512;
+        const MAX_SCATTERED_ROWS: usize = 512;
         /// Values of a copy at most, 8 MiB: memory that each thread keeps.
-        const MOST_VALUES: usize = 1 << 20;
+        const MAX_VALUES: usize = 1 << 20;
         let (dof, samples) = (self.dof(), self.len());
-        let is_scattered = self.q.is_scattered() && dof > SCATTERED;
-        if !is_scattered || 2 * dof * samples > MOST_VALUES {
+        let is_scattered = self.q.is_scattered() && dof > MAX_SCATTERED_ROWS;
+        if !is_scattered || 2 * dof * samples > MAX_VALUES {
             return work(self);
         }
         scratch::with_tables(2, dof, samples, |tables| {

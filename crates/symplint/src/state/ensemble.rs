@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use super::in_parallel;
-use super::rows::PAGE;
+use super::rows::VALUES_OF_PAGE;
 use crate::error::{Error, LOOK_AT_MAP, StateAt};
 use crate::signal::unwrap_row;
 use crate::state::{Block, Coordinates};
@@ -30,7 +30,7 @@ pub struct Ensemble {
 fn row_stride(samples: usize) -> usize {
     /// Values in a cache line.
     const LINE: usize = 8;
-    if samples.is_multiple_of(PAGE) {
+    if samples.is_multiple_of(VALUES_OF_PAGE) {
         samples + LINE
     } else {
         samples

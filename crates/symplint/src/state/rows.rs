@@ -8,7 +8,7 @@
 use std::marker::PhantomData;
 
 /// Values of a page of memory.
-pub(super) const PAGE: usize = 512;
+pub(super) const VALUES_OF_PAGE: usize = 512;
 
 /// Read-only rows: `count` rows of `len` values, equally spaced in memory.
 #[derive(Clone, Copy)]
@@ -176,7 +176,7 @@ impl<'a> RowsMut<'a> {
 
     /// Whether each row begins on another page of memory.
     pub(crate) fn is_scattered(&self) -> bool {
-        self.stride >= PAGE && self.len < PAGE
+        self.stride >= VALUES_OF_PAGE && self.len < VALUES_OF_PAGE
     }
 
     /// All values for writing, row after row, if nothing lies between the rows.

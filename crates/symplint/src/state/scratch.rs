@@ -7,7 +7,7 @@ use crate::state::RowsMut;
 
 /// Values of the largest buffer that a thread keeps, 64 MiB: larger ones, for blocks with so large a number of degrees of freedom
 /// that few states fit into memory, would stay with every thread that ever had one.
-const LARGEST_KEPT: usize = 1 << 23;
+const MAX_KEPT_VALUES: usize = 1 << 23;
 
 thread_local! {
     static IDLE: RefCell<Vec<Vec<f64>>> = const { RefCell::new(Vec::new()) };
@@ -22,7 +22,7 @@ pub fn with_buffer<R>(len: usize, work: impl FnOnce(&mut [f64]) -> R) -> R {
         buffer.resize(len, 0.0);
     }
     let result = work(&mut buffer[..len]);
-    if buffer.len() <= LARGEST_KEPT {
+    if buffer.len() <= MAX_KEPT_VALUES {
         IDLE.with_borrow_mut(|idle| idle.push(buffer));
     }
     result

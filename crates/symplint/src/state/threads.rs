@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 /// A thread gets at least this many numbers, if each takes about a nanosecond. Calibrated: to wake a thread and to wait for it
 /// takes 10 to 50 µs.
-const NUMBERS: usize = 1 << 14;
+const MIN_NUMBERS_OF_THREAD: usize = 1 << 14;
 
 /// Applies `each` to all items and returns the results in their order. One item costs about `numbers` operations. The calling thread
 /// does all the work if it is too small for a second thread.
@@ -14,7 +14,7 @@ pub(crate) fn in_parallel<T: Send, R: Send>(
     each: impl Fn(T) -> R + Send + Sync,
 ) -> Vec<R> {
     let items: Vec<T> = items.into_iter().collect();
-    let together = (NUMBERS / numbers.max(1)).max(1);
+    let together = (MIN_NUMBERS_OF_THREAD / numbers.max(1)).max(1);
     if items.len() <= together {
         return items.into_iter().map(each).collect();
     }
@@ -27,5 +27,5 @@ pub(crate) fn each_in_parallel<T: Send, R: Send>(
     items: impl IntoIterator<Item = T>,
     each: impl Fn(T) -> R + Send + Sync,
 ) -> Vec<R> {
-    in_parallel(items, NUMBERS, each)
+    in_parallel(items, MIN_NUMBERS_OF_THREAD, each)
 }

@@ -8,11 +8,11 @@ use crate::signal::parameter;
 use crate::state::{Ensemble, coordinate, coordinate_mut};
 
 /// Neighbouring samples with the same result, at least. A smooth function takes a value at two neighbours at most.
-const FEWEST: usize = 3;
+const MIN_EQUAL_NEIGHBOURS: usize = 3;
 
 /// States near the loop that confirm a value, and how far they are from it, in sizes of the loop. Conventional.
-const NEARBY: usize = 2;
-const DISTANCE: f64 = 1e-3;
+const CONFIRMING_STATES: usize = 2;
+const CONFIRMING_DISTANCE: f64 = 1e-3;
 
 /// The longest runs of neighbouring samples that have the same value of a coordinate after the step, to the last bit, though both
 /// coordinates of the degree of freedom differ before it.
@@ -97,7 +97,7 @@ impl Held {
         let found = all.flat_map(|(dof, [q, p])| [(dof, 'q', q), (dof, 'p', p)]);
         let (dof, coordinate, run) = found
             .map(|(dof, coordinate, run)| (dof, coordinate, run.closed()))
-            .filter(|(.., run)| (FEWEST..run.samples).contains(&run.longest))
+            .filter(|(.., run)| (MIN_EQUAL_NEIGHBOURS..run.samples).contains(&run.longest))
             .max_by_key(|(.., run)| run.longest)?;
         let samples = run.samples as f64;
         let middle = run.start as f64 + 0.5 * (run.longest - 1) as f64;
@@ -123,12 +123,14 @@ pub(crate) fn is_set(
     held: &HeldCoordinate,
 ) -> Result<bool, Error> {
     let dof = subject.dof();
-    let mut states = states_at(subject.phase_loop, &[held.s; NEARBY]);
+    let mut states = states_at(subject.phase_loop, &[held.s; CONFIRMING_STATES]);
     let mut block = states.block();
     for c in 0..2 * dof {
         // In another direction for each coordinate, and for each state.
         for (k, value) in coordinate_mut(&mut block, c).iter_mut().enumerate() {
-            *value += DISTANCE * size.radius[c / dof][c % dof] * (2.0 * parameter(2 * c + k) - 1.0);
+            *value += CONFIRMING_DISTANCE
+                * size.radius[c / dof][c % dof]
+                * (2.0 * parameter(2 * c + k) - 1.0);
         }
     }
     subject.evaluator.advance(&mut states, h)?;

@@ -9,7 +9,7 @@ pub(crate) use precision::of_grain;
 pub(crate) use windings::wound;
 
 use crate::error::Error;
-use crate::evidence::{FEWEST_SAMPLES, HeldCoordinate, Motion, OutputPrecision};
+use crate::evidence::{HeldCoordinate, MIN_SAMPLES, Motion, OutputPrecision};
 use crate::loops::FEW_SAMPLES;
 use crate::rules::Subject;
 use crate::state::{Coordinates, Ensemble};
@@ -41,7 +41,7 @@ pub(crate) fn of_samples(subject: Subject<'_>, after: &Ensemble) -> SampleSurvey
 /// Those of the map.
 pub(crate) fn of_few_samples(subject: Subject<'_>, h: f64) -> Result<SampleSurvey, Error> {
     let mut look = SurveySums::new(subject.dof());
-    Ensemble::in_parts(subject.phase_loop, FEWEST_SAMPLES, |before| {
+    Ensemble::in_parts(subject.phase_loop, MIN_SAMPLES, |before| {
         let mut after = before.clone();
         subject.evaluator.advance(&mut after, h)?;
         look.add(subject, &before, &after);

@@ -1,15 +1,15 @@
 //! How one step moves the samples of a loop against each other.
 
-use crate::evidence::{FEWEST_SAMPLES, MAY_BE_ROUNDING, Motion};
-use crate::signal::{Extent, ROUNDING_INSIDE, Turns, UNIT_ROUNDOFF};
+use crate::evidence::{MAX_ROUNDING_CHANGE, MIN_SAMPLES, Motion};
+use crate::signal::{Extent, MAX_ROUNDING_INSIDE, Turns, UNIT_ROUNDOFF};
 use crate::state::{Coordinates, Ensemble};
 
 /// Changes of a coordinate that differ by no more than this many units in the last place of its values are the same.
-const SAME: f64 = 8.0;
+const MAX_ROUNDINGS_OF_SAME_CHANGE: f64 = 8.0;
 
 /// The mean squared difference of neighbouring changes over their variance, at least, if they scatter as rounding does.
 /// Derived: it is 2 for independent numbers (von Neumann, Ann. Math. Stat. 12, 1941), and (2πm/N)² for mode m of N samples.
-const LEAST_SCATTER: f64 = 1.0;
+const MIN_SCATTER: f64 = 1.0;
 
 /// The motion of a loop, from its samples before and after a step.
 pub(super) struct Motions {
@@ -163,7 +163,8 @@ impl Plane {
 
     /// Whether a coordinate of all samples changes by the same, to rounding.
     fn keeps_shape(&self, c: usize) -> bool {
-        self.of_changes.extents[c].length() <= SAME * UNIT_ROUNDOFF * self.largest(c)
+        self.of_changes.extents[c].length()
+            <= MAX_ROUNDINGS_OF_SAME_CHANGE * UNIT_ROUNDOFF * self.largest(c)
     }
 
     /// A bound on the values of a coordinate, before and after the step.
@@ -174,9 +175,9 @@ impl Plane {
     /// Whether the changes of a coordinate are small, and scatter from sample to sample.
     fn is_rounding(&self, c: usize, count: f64) -> bool {
         let [change, size] = [&self.of_changes, &self.of_loop].map(|of| of.extents[c].length());
-        count >= FEWEST_SAMPLES as f64
-            && change <= ROUNDING_INSIDE * size
-            && self.differences[c] >= LEAST_SCATTER * self.of_changes.squares(c)
+        count >= MIN_SAMPLES as f64
+            && change <= MAX_ROUNDING_INSIDE * size
+            && self.differences[c] >= MIN_SCATTER * self.of_changes.squares(c)
     }
 
     /// Whether one coordinate changes by so much more than rounding that the change of the other would be seen: it deforms; or it
@@ -186,11 +187,11 @@ impl Plane {
         (0..2).any(|c| {
             let [changes, other] = [c, 1 - c].map(|c| &self.of_changes.extents[c]);
             let (size, largest) = (self.of_loop.extents[c].length(), self.largest(c));
-            let deforms = size > 0.0 && changes.length() >= ROUNDING_INSIDE * size;
+            let deforms = size > 0.0 && changes.length() >= MAX_ROUNDING_INSIDE * size;
             let shift = changes.magnitude();
             let shifted = (0..2).all(|c| self.keeps_shape(c))
-                && shift * size >= MAY_BE_ROUNDING * largest.powi(2);
-            deforms || shifted || other.magnitude() == 0.0 && shift >= MAY_BE_ROUNDING * largest
+                && shift * size >= MAX_ROUNDING_CHANGE * largest.powi(2);
+            deforms || shifted || other.magnitude() == 0.0 && shift >= MAX_ROUNDING_CHANGE * largest
         })
     }
 

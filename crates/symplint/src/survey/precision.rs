@@ -4,7 +4,7 @@
 
 use crate::evidence::{OutputFormat, OutputPrecision};
 use crate::map::Grain;
-use crate::signal::{Digits, Format, SINGLE};
+use crate::signal::{BITS_OF_SINGLE, Digits, Format};
 use crate::state::Ensemble;
 
 /// The coarsest coordinate of a map whose numbers have no short format, or too few values to show one.
@@ -68,7 +68,7 @@ impl Precision {
                     dof,
                     format: match format {
                         Format::Decimal(digits) => OutputFormat::Decimal { digits },
-                        Format::Binary(SINGLE) => OutputFormat::Single,
+                        Format::Binary(BITS_OF_SINGLE) => OutputFormat::Single,
                         Format::Binary(digits) => OutputFormat::Binary { digits },
                     },
                     unit,

@@ -149,7 +149,7 @@ pub enum Advice {
 }
 
 /// Steps that have to be longer by more than this, or that deform a loop by more times its size, suit another loop. Conventional.
-const UNUSUAL: f64 = 300.0;
+const MAX_USUAL_FACTOR: f64 = 300.0;
 
 impl Advice {
     /// The likeliest causes of a defect of this order, if none is known.
@@ -337,7 +337,7 @@ impl Display for Advice {
                 }
                 f.write_str(": one step should rotate the loop by about a radian, or far enough that a change would exceed the bound.")?;
                 match factor {
-                    Some(factor) if *factor > UNUSUAL => f.write_str(
+                    Some(factor) if *factor > MAX_USUAL_FACTOR => f.write_str(
                         " If the present ones are those of your simulation, take a smaller loop instead, of the size of a cell, a wave or \
                          an orbit.",
                     ),
@@ -372,7 +372,7 @@ impl Display for Advice {
                 size(*converges)
             ),
             Advice::SmallerSteps { deformation } | Advice::SmallerLoop { deformation }
-                if *deformation > UNUSUAL =>
+                if *deformation > MAX_USUAL_FACTOR =>
             {
                 write!(
                     f,

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::VerdictKind;
-use crate::evidence::{LEAST_DEFORMATION, UNEXPLAINED, WEAKEST_BOUND};
+use crate::evidence::{MAX_BOUND, MIN_DEFORMATION, UNEXPLAINED};
 use crate::jacobian::{JacobianEvidence, JacobianMethod, TangentDefect};
 use crate::signal::SIGNIFICANT;
 
@@ -136,7 +136,7 @@ pub fn judge_jacobian(evidence: &JacobianEvidence) -> JacobianVerdict {
         return no_derivative;
     }
     // A map without a step size approximates nothing: it is judged itself, however little it deforms.
-    if evidence.step_size.is_some() && evidence.deformation < LEAST_DEFORMATION {
+    if evidence.step_size.is_some() && evidence.deformation < MIN_DEFORMATION {
         return undecided(Inconclusive::LittleDeformation {
             deformation: evidence.deformation,
         });
@@ -145,7 +145,7 @@ pub fn judge_jacobian(evidence: &JacobianEvidence) -> JacobianVerdict {
         return undecided(Inconclusive::Unexplained { worst });
     }
     // Not `bound > …`: a bound that is NaN is not valid.
-    if !matches!(bound, 0.0..=WEAKEST_BOUND) {
+    if !matches!(bound, 0.0..=MAX_BOUND) {
         return undecided(Inconclusive::WeakBound {
             bound,
             noise: evidence.noise,

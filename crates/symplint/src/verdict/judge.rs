@@ -15,11 +15,11 @@ use super::jacobian::{JacobianVerdict, compare_jacobian};
 use super::order::{Fit, clear, fit_order, known_data, leaves};
 use super::properties::{Property, properties};
 use super::slope::{constant_defect, slope_of, smallest_steps_slope};
-use super::thresholds::{FAR, HIGHEST_ORDER, SMALL, TREND};
+use super::thresholds::{FAR, MAX_ORDER, MAX_UNCONFIRMED_DEFECT, MIN_TREND};
 use super::{Verdict, VerdictKind, long_time};
 use crate::evidence::{
-    Check, Evidence, FEWEST_OF_A_LAW, LoopEvidence, LoopKind, Motion, Omission, Origin, Scatter,
-    StepEvidence, Why,
+    Check, Evidence, LoopEvidence, LoopKind, MIN_STEP_SIZES_OF_LAW, Motion, Omission, Origin,
+    Scatter, StepEvidence, Why,
 };
 use crate::jacobian::JacobianDecay;
 use crate::rules::Defect;
@@ -299,13 +299,13 @@ impl<'a> Case<'a> {
             |found: &LoopEvidence| (self.fits.iter()).find(|fit| fit.loop_index == found.index);
         let lowest = contractible()
             .filter_map(of_loop)
-            .filter(|fit| fit.slope > TREND)
+            .filter(|fit| fit.slope > MIN_TREND)
             .min_by(|a, b| a.slope.total_cmp(&b.slope))?;
         let contradicts = |found: &LoopEvidence| {
             let fit = of_loop(found);
             let slope = fit.map(|fit| fit.slope);
             let falls_slower = (slope.or_else(|| smallest_steps_slope(found)))
-                .is_some_and(|slope| slope < lowest.slope - TREND);
+                .is_some_and(|slope| slope < lowest.slope - MIN_TREND);
             let has_law = fit.is_some_and(|fit| fit.constant.is_some() || fit.whole().is_some());
             let is_other = found.index != lowest.loop_index;
             falls_slower || is_other && !has_law && leaves(found, lowest.slope.round())
@@ -345,8 +345,8 @@ impl<'a> Case<'a> {
             Some(step.defect.signed)
         });
         // Loops can hide lower orders than the Jacobian shows; its one point can hide the order of the loops, not the next one.
-        let lowest = slope(after.magnitude() + after.uncertainty) - 1.0 - TREND;
-        let highest = slope(after.magnitude() - after.uncertainty) + TREND;
+        let lowest = slope(after.magnitude() + after.uncertainty) - 1.0 - MIN_TREND;
+        let highest = slope(after.magnitude() - after.uncertainty) + MIN_TREND;
         let agrees = |of_loop: f64| (lowest..=highest).contains(&of_loop);
         let agree = agrees(of_law) || measured.is_some_and(agrees);
         (!agree).then(|| slope(after.magnitude()))
@@ -390,7 +390,7 @@ impl<'a> Case<'a> {
         let law = self.law_of_loops().filter(|_| !is_broken);
         let other_slope = law.and_then(|law| self.contradicting_slope(law));
         let trend = law.filter(|_| other_slope.is_none());
-        if defect < SMALL && law.is_none() && !self.is_confirmed() {
+        if defect < MAX_UNCONFIRMED_DEFECT && law.is_none() && !self.is_confirmed() {
             return None;
         }
         let name = self.name(found, step);
@@ -473,8 +473,7 @@ impl<'a> Case<'a> {
         let (h, defect) = (sizes(last), last.defect.magnitude());
         let below = || steps().filter(|step| sizes(step) < h);
         let next = below().max_by(|a, b| sizes(a).total_cmp(&sizes(b)))?;
-        let gone =
-            |step: &StepEvidence| step.bound() < defect * (sizes(step) / h).powf(HIGHEST_ORDER);
+        let gone = |step: &StepEvidence| step.bound() < defect * (sizes(step) / h).powf(MAX_ORDER);
         let bound = below().map(StepEvidence::bound).fold(0.0, f64::max);
         let finding = Finding::Changes(ChangeFinding::FailsToConverge {
             defect,
@@ -523,7 +522,7 @@ impl<'a> Case<'a> {
         let given = self.loops.first()?.steps.len();
         let spent = self.evidence.missing(Check::GivenLoop);
         let asked = given + spent + self.failed_steps();
-        if asked < FEWEST_OF_A_LAW + 1 {
+        if asked < MIN_STEP_SIZES_OF_LAW + 1 {
             return Some(Advice::MoreStepSizes { given: asked });
         }
         if spent > 0 {
@@ -537,11 +536,11 @@ impl<'a> Case<'a> {
             let steps = found.steps.iter().filter(|step| step.is_significant());
             steps.count()
         };
-        let drowned = swept().map(significant).max()? < FEWEST_OF_A_LAW;
+        let drowned = swept().map(significant).max()? < MIN_STEP_SIZES_OF_LAW;
         // Smaller steps help only if the defects at the smallest ones are still above their uncertainty.
         let shrinks = |found: &LoopEvidence| {
             let known = known_data(found);
-            known.len() >= FEWEST_OF_A_LAW && clear(&known).first() == known.first()
+            known.len() >= MIN_STEP_SIZES_OF_LAW && clear(&known).first() == known.first()
         };
         if !drowned && !swept().any(shrinks) {
             return None;

@@ -6,7 +6,9 @@
 
 use serde::Serialize;
 
-use super::thresholds::{AWAY, FEWEST_STEPS, GROWN, NO_DEFECT, RETURNS, STAYED};
+use super::thresholds::{
+    MAX_RETURN, MAX_ROUND_OFF_DEFECT, MAX_VARIATION, MIN_DRIFT, MIN_GROWTH, MIN_STEPS,
+};
 use crate::evidence::{EnergyInTime, LongTime};
 
 /// What becomes of a defect in many steps.
@@ -26,13 +28,13 @@ pub enum Growth {
 /// Judges the energies of many steps, in units of their range. States of a symplectic map come back to their energies; if all of them stay away, a drift has come
 /// to an end.
 pub(super) fn growth_of_energy(found: &EnergyInTime) -> Growth {
-    if found.steps < FEWEST_STEPS {
+    if found.steps < MIN_STEPS {
         Growth::Undecided
-    } else if found.early.max(found.late) < NO_DEFECT {
+    } else if found.early.max(found.late) < MAX_ROUND_OFF_DEFECT {
         Growth::None
-    } else if found.late > GROWN * found.early || found.least > AWAY * found.most {
+    } else if found.late > MIN_GROWTH * found.early || found.least > MIN_DRIFT * found.most {
         Growth::Grows
-    } else if found.late < STAYED * found.early && found.least < RETURNS * found.most {
+    } else if found.late < MAX_VARIATION * found.early && found.least < MAX_RETURN * found.most {
         Growth::Bounded
     } else {
         Growth::Undecided
@@ -41,13 +43,13 @@ pub(super) fn growth_of_energy(found: &EnergyInTime) -> Growth {
 
 /// Judges the defects of many steps.
 pub(super) fn growth(found: &LongTime) -> Growth {
-    if found.steps < FEWEST_STEPS {
+    if found.steps < MIN_STEPS {
         Growth::Undecided
-    } else if found.largest < NO_DEFECT {
+    } else if found.largest < MAX_ROUND_OFF_DEFECT {
         Growth::None
-    } else if found.late > GROWN * found.early {
+    } else if found.late > MIN_GROWTH * found.early {
         Growth::Grows
-    } else if found.late < STAYED * found.early && found.least < RETURNS * found.largest {
+    } else if found.late < MAX_VARIATION * found.early && found.least < MAX_RETURN * found.largest {
         Growth::Bounded
     } else {
         Growth::Undecided

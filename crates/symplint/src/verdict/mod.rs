@@ -79,7 +79,7 @@ pub struct Verdict {
 }
 
 /// A setting with more letters is not part of a headline. Conventional.
-const LONGEST_SETTING: usize = 60;
+const MAX_LETTERS_OF_SETTING: usize = 60;
 
 impl VerdictKind {
     /// The answer in words: `not symplectic`.
@@ -100,7 +100,7 @@ impl Verdict {
         if let Some(cause) = &self.cause
             && let (Some(digits), Some(setting)) = (cause.digits, &cause.setting)
         {
-            let setting = match setting.chars().count() > LONGEST_SETTING {
+            let setting = match setting.chars().count() > MAX_LETTERS_OF_SETTING {
                 true if cause.kind == CauseKind::VelocitiesForMomenta => "other weights",
                 true => "another form",
                 false => setting,

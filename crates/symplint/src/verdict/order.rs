@@ -2,8 +2,11 @@
 
 use serde::Serialize;
 
-use super::thresholds::{CLEAR, HIGHEST_ORDER, MISFIT, MOST_POINTS, MOST_UNCERTAIN, TREND, WHOLE};
-use crate::evidence::{FEWEST_OF_A_LAW, LoopEvidence, NARROWEST_RANGE, StepEvidence};
+use super::thresholds::{
+    MAX_DISTANCE_TO_WHOLE, MAX_ERROR_OF_SLOPE, MAX_ORDER, MAX_POINTS, MAX_RELATIVE_MISFIT,
+    MIN_DEFECT_OVER_UNCERTAINTY, MIN_TREND,
+};
+use crate::evidence::{LoopEvidence, MIN_RANGE_OF_LAW, MIN_STEP_SIZES_OF_LAW, StepEvidence};
 
 /// A power law |quantity − constant| ~ against^slope over a range.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -34,7 +37,7 @@ impl Fit {
     pub fn whole(&self) -> Option<f64> {
         let whole = self.slope.round();
         let distance = (self.slope - whole).abs();
-        (distance == 0.0 || distance + self.uncertainty <= WHOLE).then_some(whole)
+        (distance == 0.0 || distance + self.uncertainty <= MAX_DISTANCE_TO_WHOLE).then_some(whole)
     }
 }
 
@@ -50,11 +53,11 @@ impl Fit {
 }
 
 /// Resolution of exponents.
-const STEP: f64 = 0.01;
+const RESOLUTION: f64 = 0.01;
 
 /// Step sizes whose ratios differ by less than this part are a geometric sequence. Conventional: step sizes are often
 /// rounded to a few digits.
-const SAME_RATIO: f64 = 1e-3;
+const MAX_DIFFERENCE_OF_RATIOS: f64 = 1e-3;
 
 /// One point of the fit: |h|, the signed defect, its uncertainty.
 pub(super) type Datum = (f64, f64, f64);
@@ -71,16 +74,18 @@ pub(super) fn fit_order(evidence: &LoopEvidence) -> Option<Fit> {
     let known = known_data(evidence);
     let data = &clear(&known)[..];
     let wide = |data: &[Datum]| {
-        data.len() >= FEWEST_OF_A_LAW && data[data.len() - 1].0 >= NARROWEST_RANGE * data[0].0
+        data.len() >= MIN_STEP_SIZES_OF_LAW
+            && data[data.len() - 1].0 >= MIN_RANGE_OF_LAW * data[0].0
     };
     let changes = differences(&known);
     // At smaller steps, but for one, the constant alone is seen: no local slope differs from 0.
-    let is_seen = |(change, known): (&Datum, &Datum)| change.1.abs() > WHOLE * known.1.abs();
+    let is_seen =
+        |(change, known): (&Datum, &Datum)| change.1.abs() > MAX_DISTANCE_TO_WHOLE * known.1.abs();
     let seen = changes.iter().zip(&known).position(is_seen);
     let changes = &changes[seen.unwrap_or(changes.len()).saturating_sub(1)..];
     let changes = &clear(changes)[..];
     let of_changes = wide(changes).then(|| whole_law(changes)).flatten();
-    let is_same = |a: (f64, f64), b: (f64, f64)| (a.0 - b.0).abs() <= WHOLE;
+    let is_same = |a: (f64, f64), b: (f64, f64)| (a.0 - b.0).abs() <= MAX_DISTANCE_TO_WHOLE;
     let hidden =
         || hidden_law(data).filter(|law| of_changes.is_none_or(|other| is_same(*law, other)));
     let of_defects = wide(data)
@@ -106,7 +111,7 @@ pub(super) fn fit_order(evidence: &LoopEvidence) -> Option<Fit> {
     match (of_defects, of_changes) {
         (Some(law), None) => Some(fit(law, None, data)),
         (Some(law), Some(other)) if is_same(law, other) => Some(fit(law, None, data)),
-        (Some(law), Some(other)) if law.0 <= TREND => {
+        (Some(law), Some(other)) if law.0 <= MIN_TREND => {
             with_constant(other).or_else(|| Some(fit(law, None, data)))
         }
         // No order fits both.
@@ -132,7 +137,7 @@ pub(super) fn leaves(evidence: &LoopEvidence, order: f64) -> bool {
     let slopes: Vec<f64> = (data.windows(2))
         .map(|pair| local_slope(&pair[0], &pair[1]))
         .collect();
-    let is_other = |slope: &f64| (slope - order).abs() > WHOLE;
+    let is_other = |slope: &f64| (slope - order).abs() > MAX_DISTANCE_TO_WHOLE;
     let [fine, .., coarse] = &slopes[..] else {
         return false;
     };
@@ -157,8 +162,8 @@ pub(super) fn known_data(evidence: &LoopEvidence) -> Vec<Datum> {
 pub(super) fn clear(known: &[Datum]) -> Vec<Datum> {
     // A value that is not above its uncertainty is not a point of a law.
     let above = known.iter().filter(|datum| datum.1.abs() > datum.2);
-    let clear = above.skip_while(|datum| datum.1.abs() <= CLEAR * datum.2);
-    clear.take(MOST_POINTS).copied().collect()
+    let clear = above.skip_while(|datum| datum.1.abs() <= MIN_DEFECT_OVER_UNCERTAINTY * datum.2);
+    clear.take(MAX_POINTS).copied().collect()
 }
 
 /// The differences of the defects at neighbouring step sizes, each with the smaller one; none if the step sizes are not a
@@ -168,7 +173,7 @@ fn differences(known: &[Datum]) -> Vec<Datum> {
     let Some(first) = ratios().next() else {
         return Vec::new();
     };
-    if ratios().any(|ratio| (ratio / first - 1.0).abs() > SAME_RATIO) {
+    if ratios().any(|ratio| (ratio / first - 1.0).abs() > MAX_DIFFERENCE_OF_RATIOS) {
         return Vec::new();
     }
     let pairs = known.windows(2);
@@ -198,12 +203,12 @@ fn highest_exponent(data: &[Datum]) -> Option<(f64, f64)> {
     // Terms of higher order pass for a lower one with a vanishing leading term: the highest exponent
     // that fits is the true one.
     let fits = |&k: &f64| misfit(data, k, &[0, 1, 2]) <= 1.0;
-    let highest = exponents(0.0, HIGHEST_ORDER).rev().find(fits)?;
-    if highest >= HIGHEST_ORDER {
+    let highest = exponents(0.0, MAX_ORDER).rev().find(fits)?;
+    if highest >= MAX_ORDER {
         // Any exponent fits.
         return None;
     }
-    let whole = Some((highest + STEP / 2.0).floor()).filter(fits)?;
+    let whole = Some((highest + RESOLUTION / 2.0).floor()).filter(fits)?;
     Some((highest, whole))
 }
 
@@ -211,29 +216,31 @@ fn highest_exponent(data: &[Datum]) -> Option<(f64, f64)> {
 fn whole_law(data: &[Datum]) -> Option<(f64, f64)> {
     let (highest, whole) = highest_exponent(data)?;
     let (low, high) = local_slopes(data);
-    let within = (low - WHOLE..=high + WHOLE).contains(&whole);
+    let within = (low - MAX_DISTANCE_TO_WHOLE..=high + MAX_DISTANCE_TO_WHOLE).contains(&whole);
     let uncertainty = highest - whole;
-    (within && uncertainty <= MOST_UNCERTAIN).then_some((whole, uncertainty))
+    (within && uncertainty <= MAX_ERROR_OF_SLOPE).then_some((whole, uncertainty))
 }
 
 /// The exponent of h^k (a + b h) if no local slope equals k: the second term is larger at all steps, or has the other sign. Three terms,
 /// or fewer points, would fit defects without an order, too.
 fn hidden_law(data: &[Datum]) -> Option<(f64, f64)> {
-    if data.len() < MOST_POINTS {
+    if data.len() < MAX_POINTS {
         return None;
     }
     let (highest, whole) = highest_exponent(data)?;
     let fits = |&k: &f64| misfit(data, k, &[0, 1]) <= 1.0;
     let highest = exponents(whole, highest).rev().find(fits)?;
     let uncertainty = highest - whole;
-    (fits(&whole) && uncertainty <= WHOLE).then_some((whole, uncertainty))
+    (fits(&whole) && uncertainty <= MAX_DISTANCE_TO_WHOLE).then_some((whole, uncertainty))
 }
 
 /// The constant e of E = e + h^k (a + b h), if no power of h below k takes its place and two neighbouring local slopes of
 /// |E| are k.
 fn constant(data: &[Datum], order: f64) -> Option<f64> {
     let slopes = data.windows(2).map(|pair| local_slope(&pair[0], &pair[1]));
-    let near: Vec<bool> = slopes.map(|s| (s - order).abs() <= WHOLE).collect();
+    let near: Vec<bool> = slopes
+        .map(|s| (s - order).abs() <= MAX_DISTANCE_TO_WHOLE)
+        .collect();
     let fits = |lower: i32| misfit(data, order, &[lower - order as i32, 0, 1]) <= 1.0;
     let is_known =
         near.windows(2).any(|pair| pair[0] && pair[1]) && fits(0) && !(1..order as i32).any(fits);
@@ -255,10 +262,10 @@ fn plain_law(data: &[Datum]) -> Option<(f64, f64)> {
     let uncertainty = (high - mean).max(mean - low);
     // A term of lower order takes over at steps that were not tried.
     let least = match departs(data, mean.round()) {
-        true => MOST_UNCERTAIN,
+        true => MAX_ERROR_OF_SLOPE,
         false => 0.0,
     };
-    (uncertainty <= MOST_UNCERTAIN).then_some((mean, uncertainty.max(least)))
+    (uncertainty <= MAX_ERROR_OF_SLOPE).then_some((mean, uncertainty.max(least)))
 }
 
 /// Whether the three local slopes of the smallest steps move away from an order as the steps shrink, by more than the
@@ -278,7 +285,7 @@ fn departs(data: &[Datum], order: f64) -> bool {
 }
 
 fn exponents(from: f64, to: f64) -> impl DoubleEndedIterator<Item = f64> {
-    (0..=((to - from) / STEP).round() as usize).map(move |n| from + n as f64 * STEP)
+    (0..=((to - from) / RESOLUTION).round() as usize).map(move |n| from + n as f64 * RESOLUTION)
 }
 
 /// How badly E/h^k is a sum of these powers of h (fewer with few points): the largest residual over
@@ -298,7 +305,7 @@ fn misfit(data: &[Datum], exponent: f64, powers: &[i32]) -> f64 {
         .map(|(d, x)| d.2 / x.powf(exponent))
         .collect();
     let allowed: Vec<f64> = (noise.iter().enumerate())
-        .map(|(i, n)| MISFIT * nearby(&reduced, i) + 3.0 * n)
+        .map(|(i, n)| MAX_RELATIVE_MISFIT * nearby(&reduced, i) + 3.0 * n)
         .collect();
     // One point more than the terms and the exponent together.
     let powers = &powers[..(data.len() - 2).min(powers.len())];

@@ -7,10 +7,10 @@ use serde::{Serialize, Serializer};
 
 use super::VerdictKind;
 use super::long_time::{Growth, growth_of_energy};
-use super::thresholds::WHOLE;
+use super::thresholds::MAX_DISTANCE_TO_WHOLE;
 use crate::evidence::{
-    EnergyAtStep, EnergyInTime, Evidence, LoopEvidence, StepEvidence, StructureEvidence,
-    UNEXPLAINED, WEAKEST_BOUND,
+    EnergyAtStep, EnergyInTime, Evidence, LoopEvidence, MAX_BOUND, StepEvidence, StructureEvidence,
+    UNEXPLAINED,
 };
 use crate::jacobian::TangentDefect;
 use crate::signal::SIGNIFICANT;
@@ -66,20 +66,20 @@ pub struct Property {
 
 /// A smaller distance of a state from its start, in half ranges of the loop, may be the residual of a stage that is solved to round-off.
 /// Calibrated: as the least defect of a tangent map, which has the same cause.
-const LEAST_RETURN: f64 = 1e-12;
+const MIN_RETURN: f64 = 1e-12;
 
 /// As many loops that change by one factor show that all do. Conventional: loops are random, and a factor of each has ten digits or more.
-const MANY_LOOPS: usize = 5;
+const MIN_LOOPS: usize = 5;
 
 /// A property that is not known to this uncertainty is not worth a line. Conventional.
-const LARGEST_UNKNOWN: f64 = 1e-2;
+const MAX_UNCERTAINTY: f64 = 1e-2;
 
 /// Whether a defect shows that a property holds.
 fn holds(defect: f64, uncertainty: f64, least_defect: f64) -> Option<bool> {
     if defect > least_defect.max(SIGNIFICANT * uncertainty) {
         Some(false)
     } else if defect <= least_defect.max(UNEXPLAINED * uncertainty)
-        && defect + uncertainty <= WEAKEST_BOUND
+        && defect + uncertainty <= MAX_BOUND
     {
         Some(true)
     } else {
@@ -115,7 +115,7 @@ impl Property {
             defect: Some(defect),
             uncertainty: Some(uncertainty),
             // A bound as weak as this tells nothing.
-            implied: holds.is_none() && uncertainty > LARGEST_UNKNOWN,
+            implied: holds.is_none() && uncertainty > MAX_UNCERTAINTY,
             ..Property::new(name, holds)
         }
     }
@@ -176,7 +176,7 @@ pub(super) fn properties(evidence: &Evidence, kind: VerdictKind) -> Vec<Property
             Some(found) => Property {
                 place: Some((found.coordinate, found.dof)),
                 given_reversal: structure.given_reversal,
-                ..Property::measured(name, found.defect, found.uncertainty, LEAST_RETURN)
+                ..Property::measured(name, found.defect, found.uncertainty, MIN_RETURN)
             },
             None => Property::implied(name, None),
         });
@@ -199,7 +199,7 @@ pub(super) fn properties(evidence: &Evidence, kind: VerdictKind) -> Vec<Property
             PropertyName::Energy,
             found.change,
             found.uncertainty,
-            LEAST_RETURN,
+            MIN_RETURN,
         )
     }));
     properties
@@ -214,7 +214,8 @@ fn order_of_energy(found: &[EnergyAtStep; 3]) -> Option<f64> {
         ((large.change / small.change).ln() / ratio, error / ratio)
     };
     let whole = slope(&found[1..]).0.round();
-    let agrees = |(slope, error): (f64, f64)| (slope - whole).abs() + error <= WHOLE;
+    let agrees =
+        |(slope, error): (f64, f64)| (slope - whole).abs() + error <= MAX_DISTANCE_TO_WHOLE;
     (whole > 0.0 && found.windows(2).map(slope).all(agrees)).then_some(whole)
 }
 
@@ -250,7 +251,7 @@ fn conformal(
         factors.filter(|(_, uncertainty)| uncertainty.is_finite())
     };
     let best = of_loops().min_by(|a, b| a.1.total_cmp(&b.1));
-    let are_many = !jacobian.projected && of_loops().count() >= MANY_LOOPS;
+    let are_many = !jacobian.projected && of_loops().count() >= MIN_LOOPS;
     // Random tangent vectors in many degrees of freedom show no factor: many loops do.
     let by_loops_alone = !jacobian.full && are_many;
     // A change that is too small for the derivatives is known from many loops, if all agree within their uncertainties.

@@ -1,8 +1,8 @@
 //! The slope of a defect against the step size, whether it follows a law or not.
 
 use super::order::{Datum, Fit, clear, known_data, local_slope, sign_of_steps};
-use super::thresholds::{HIGHEST_ORDER, MOST_UNCERTAIN, TREND};
-use crate::evidence::{Evidence, LoopEvidence, NARROWEST_RANGE, UNEXPLAINED};
+use super::thresholds::{MAX_ERROR_OF_SLOPE, MAX_ORDER, MIN_TREND};
+use crate::evidence::{Evidence, LoopEvidence, MIN_RANGE_OF_LAW, UNEXPLAINED};
 use crate::jacobian::JacobianDecay;
 
 /// The slope of log |E| over log h between the two smallest steps where the defect is clear of its uncertainty.
@@ -20,7 +20,7 @@ pub(super) fn slope_of(evidence: &Evidence) -> Option<f64> {
     let of_jacobian = || slope_of_jacobian(evidence.jacobian_decay?);
     let slope = (contractible().find_map(smallest_steps_slope))
         .or_else(|| mean().or_else(of_jacobian).map(|fit| fit.slope))?;
-    (-TREND..=HIGHEST_ORDER).contains(&slope).then_some(slope)
+    (-MIN_TREND..=MAX_ORDER).contains(&slope).then_some(slope)
 }
 
 /// The slope between the smallest and the largest step whose defects are not explained by their uncertainty. These may be too few, or
@@ -42,7 +42,7 @@ fn mean_slope(evidence: &LoopEvidence) -> Option<Fit> {
     };
     let distances = data[1..].iter().map(distance);
     let uncertainty = distances.fold(0.0, f64::max) / (last.0 / first.0).ln();
-    (uncertainty <= MOST_UNCERTAIN).then(|| {
+    (uncertainty <= MAX_ERROR_OF_SLOPE).then(|| {
         let sign = sign_of_steps(evidence);
         Fit {
             quantity: "defect",
@@ -64,7 +64,7 @@ pub(super) fn slope_of_jacobian(decay: JacobianDecay) -> Option<Fit> {
     let range = (to / from).abs().ln();
     let error = large.uncertainty / large.magnitude() + small.uncertainty / small.magnitude();
     let uncertainty = error / range;
-    (uncertainty <= MOST_UNCERTAIN).then(|| Fit {
+    (uncertainty <= MAX_ERROR_OF_SLOPE).then(|| Fit {
         quantity: "defect of the Jacobian",
         against: "step_size",
         loop_index: 0,
@@ -84,7 +84,7 @@ pub(super) fn constant_defect(
     decay: Option<JacobianDecay>,
 ) -> Option<Fit> {
     let mut contractible = loops.iter().filter(|found| !found.winds);
-    let is_wide = |law: &Fit| law.to.abs() >= NARROWEST_RANGE * law.from.abs();
+    let is_wide = |law: &Fit| law.to.abs() >= MIN_RANGE_OF_LAW * law.from.abs();
     let of_loops = (fits.first().cloned()).or_else(|| contractible.find_map(mean_slope));
     (of_loops.filter(is_wide))
         .or_else(|| slope_of_jacobian(decay?).filter(is_wide))

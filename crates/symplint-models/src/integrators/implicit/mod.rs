@@ -51,7 +51,7 @@ impl<H: Hamiltonian> ImplicitRungeKutta<H> {
     ///
     /// # Errors
     /// If the solver allows no iteration, its tolerance is negative or not finite, or Newton's
-    /// method is asked for more than [`StageSolver::MOST_UNKNOWNS`] equations for a sample.
+    /// method is asked for more than [`StageSolver::MAX_UNKNOWNS`] equations for a sample.
     pub fn new(
         method: impl Into<TableauPair>,
         system: H,

@@ -65,7 +65,7 @@ impl StageSolver {
     pub const MAX_ITERATIONS: usize = 1000;
 
     /// Equations for each sample, 2 d s, that Newton's method takes on at most.
-    pub const MOST_UNKNOWNS: usize = 96;
+    pub const MAX_UNKNOWNS: usize = 96;
 
     /// Checks the settings for a method with this number of unknowns for each sample.
     ///
@@ -86,10 +86,10 @@ impl StageSolver {
         if iterations == 0 {
             return Err(ModelError::NoIterations);
         }
-        if self.solver == Solver::Newton && unknowns > Self::MOST_UNKNOWNS {
+        if self.solver == Solver::Newton && unknowns > Self::MAX_UNKNOWNS {
             return Err(ModelError::TooManyUnknowns {
                 unknowns,
-                limit: Self::MOST_UNKNOWNS,
+                limit: Self::MAX_UNKNOWNS,
             });
         }
         Ok(())

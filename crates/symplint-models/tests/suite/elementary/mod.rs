@@ -7,7 +7,7 @@
 mod kernel;
 mod reference;
 
-use kernel::{Arithmetic, Fused, LANES, LARGEST_REDUCED, Separate};
+use kernel::{Arithmetic, Fused, LANES, MAX_REDUCED, Separate};
 use reference::sin_cos;
 use symplint_models::elementary::{add_cos, add_sin, cos_into, sin_into};
 
@@ -136,7 +136,7 @@ fn errors_are_below_one_ulp_over_the_whole_range() {
 fn the_reference_is_that_of_the_table() {
     let small = table()
         .into_iter()
-        .filter(|entry| entry.0 <= 2.0 * LARGEST_REDUCED);
+        .filter(|entry| entry.0 <= 2.0 * MAX_REDUCED);
     for (x, sin, cos) in small.filter(|entry| entry.0 > 1e-290) {
         let got = sin_cos(x);
         for (exact, got) in [(sin, got.0), (cos, got.1)] {
@@ -180,7 +180,7 @@ fn even(count: u32) -> impl Iterator<Item = f64> {
 
 #[test]
 fn errors_are_below_one_ulp_at_many_arguments() {
-    let largest: [f64; 5] = [0.8, 4.0, 100.0, 1e4, LARGEST_REDUCED];
+    let largest: [f64; 5] = [0.8, 4.0, 100.0, 1e4, MAX_REDUCED];
     for largest in largest {
         println!("up to {largest}");
         let x: Vec<f64> = even(100_000).map(|u| largest * (2.0 * u - 1.0)).collect();
@@ -195,7 +195,7 @@ fn errors_are_below_one_ulp_at_many_arguments() {
 /// small size, and both sides of the turn from one quadrant to the next.
 #[test]
 fn errors_are_below_one_ulp_next_to_multiples_of_an_eighth_turn() {
-    let last = (LARGEST_REDUCED / std::f64::consts::FRAC_PI_4) as u32;
+    let last = (MAX_REDUCED / std::f64::consts::FRAC_PI_4) as u32;
     let x: Vec<f64> = (1..=last)
         .step_by(3)
         .map(|k| f64::from(k) * std::f64::consts::FRAC_PI_4)
@@ -208,9 +208,9 @@ fn errors_are_below_one_ulp_next_to_multiples_of_an_eighth_turn() {
 #[test]
 fn errors_are_below_one_ulp_next_to_the_largest_reduced_argument() {
     let offsets = even(10_000).map(|u| 200.0 * (u - 0.5));
-    let x: Vec<f64> = offsets.map(|offset| LARGEST_REDUCED + offset).collect();
+    let x: Vec<f64> = offsets.map(|offset| MAX_REDUCED + offset).collect();
     assert_accurate(&x);
-    let (below, above) = (LARGEST_REDUCED, LARGEST_REDUCED.next_up());
+    let (below, above) = (MAX_REDUCED, MAX_REDUCED.next_up());
     assert_accurate(&[below, above, -below, -above]);
 }
 

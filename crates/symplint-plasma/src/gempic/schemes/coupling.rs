@@ -84,9 +84,9 @@ impl<const N: usize> Coupling<N> {
     /// Whether the cells on the way from x to x + `way` can be gone through one by one.
     pub(super) fn check_way(&self, x: f64, way: f64) -> Result<(), Impassable> {
         /// A step that resolves anything passes a few.
-        const MOST_CELLS: f64 = 1e5;
+        const MAX_CELLS: f64 = 1e5;
         let cells = (way * self.per_length()).abs();
-        if cells > MOST_CELLS || way.is_nan() {
+        if cells > MAX_CELLS || way.is_nan() {
             return Err(Impassable::TooLong { way, cells });
         }
         let end = x + way;

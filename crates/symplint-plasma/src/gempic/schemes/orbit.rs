@@ -106,12 +106,12 @@ pub(super) fn solve_orbit<const N: usize>(
     (h, half_charge): (f64, f64),
 ) -> Result<[f64; 2], Unsolved> {
     /// An iteration contracts by h² ∂E/∂x, which is well below 1 in steps that resolve the plasma frequency.
-    const MOST: usize = 100;
+    const MAX_ITERATIONS: usize = 100;
     /// Changes that no longer fall are round-off below this part of the velocity.
     const ROUNDOFF: f64 = 1e-13;
     let mut mean = guess;
     let mut least = f64::INFINITY;
-    for _ in 0..MOST {
+    for _ in 0..MAX_ITERATIONS {
         let way = h * mean[0];
         coupling.check_way(x, way).map_err(Unsolved::Impassable)?;
         let felt = felt(coupling, is_averaged, fields, x, way);
@@ -131,5 +131,5 @@ pub(super) fn solve_orbit<const N: usize>(
         }
         least = least.min(change);
     }
-    Err(Unsolved::NotConverged(MOST))
+    Err(Unsolved::NotConverged(MAX_ITERATIONS))
 }

@@ -11,7 +11,7 @@ use crate::truth_set::member::{
 };
 use crate::truth_set::methods::{damped, leapfrog};
 use crate::truth_set::random::Random;
-use crate::truth_set::systems::{self, MOST, System};
+use crate::truth_set::systems::{self, MAX_DOF, System};
 use crate::truth_set::tolerance;
 
 pub const COUNT: usize = 320;
@@ -45,7 +45,7 @@ fn si_units(random: &mut Random) -> Member {
     let (name, step, truth) = method(random, &system);
     let scaled: Step = Arc::new(move |h, q, p| {
         let dof = q.len();
-        let (mut x, mut y) = ([0.0; MOST], [0.0; MOST]);
+        let (mut x, mut y) = ([0.0; MAX_DOF], [0.0; MAX_DOF]);
         for i in 0..dof {
             (x[i], y[i]) = (q[i] / length, p[i] / momentum);
         }

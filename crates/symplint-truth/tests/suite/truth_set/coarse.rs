@@ -9,7 +9,7 @@ use crate::truth_set::methods::{damped, leapfrog, runge_kutta, tableau};
 use crate::truth_set::random::Random;
 use crate::truth_set::rounding::Rounding;
 use crate::truth_set::rows::Spacing;
-use crate::truth_set::systems::{self, MOST, System};
+use crate::truth_set::systems::{self, MAX_DOF, System};
 
 pub const COUNT: usize = 400;
 
@@ -123,7 +123,7 @@ fn single(random: &mut Random) -> Member {
     let mut of_single = system.clone();
     let force = system.force.clone();
     of_single.force = Arc::new(move |q, f| {
-        let mut x = [0.0; MOST];
+        let mut x = [0.0; MAX_DOF];
         x[..q.len()].copy_from_slice(q);
         to_single(&mut x);
         force(&x[..q.len()], f);

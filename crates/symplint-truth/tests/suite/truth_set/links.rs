@@ -7,9 +7,9 @@ use symplint::{Block, Loop};
 
 use crate::truth_set::member::Step;
 use crate::truth_set::random::Random;
-use crate::truth_set::systems::MOST;
+use crate::truth_set::systems::MAX_DOF;
 
-type Row = [f64; MOST];
+type Row = [f64; MAX_DOF];
 
 /// One or two masses, the first linked to the origin, the second to the first, in two or three dimensions.
 #[derive(Clone)]
@@ -64,7 +64,7 @@ impl Links {
     }
 
     fn force(&self, q: &[f64]) -> Row {
-        let mut f = [0.0; MOST];
+        let mut f = [0.0; MAX_DOF];
         for (i, q) in q.iter().enumerate() {
             f[i] = match i % self.dimensions {
                 0 => -self.mass(i) * self.stiffness * q,
@@ -97,7 +97,7 @@ impl Links {
     /// Its derivative.
     fn gradient(&self, q: &[f64]) -> [Row; 2] {
         let n = self.dimensions;
-        let mut rows = [[0.0; MOST]; 2];
+        let mut rows = [[0.0; MAX_DOF]; 2];
         for (j, row) in rows.iter_mut().enumerate().take(self.lengths.len()) {
             for (c, d) in self.link(q, j).into_iter().enumerate().take(n) {
                 row[j * n + c] = 2.0 * d;
@@ -184,7 +184,7 @@ impl Links {
 
     /// dq/dt and dp/dt with the forces of the links, from the second derivative of the constraint.
     fn flow(&self, q: &[f64], p: &[f64]) -> (Row, Row) {
-        let (mut v, mut f, g) = ([0.0; MOST], self.force(q), self.gradient(q));
+        let (mut v, mut f, g) = ([0.0; MAX_DOF], self.force(q), self.gradient(q));
         for (i, p) in p.iter().enumerate() {
             v[i] = p / self.mass(i);
         }
@@ -219,10 +219,10 @@ impl Links {
         };
         Arc::new(move |h, q, p| {
             let dof = q.len();
-            let (mut v, mut f) = ([0.0; MOST], [0.0; MOST]);
+            let (mut v, mut f) = ([0.0; MAX_DOF], [0.0; MAX_DOF]);
             let (mut sum_v, mut sum_f) = (v, f);
             for (at, weight) in stages {
-                let (mut x, mut y) = ([0.0; MOST], [0.0; MOST]);
+                let (mut x, mut y) = ([0.0; MAX_DOF], [0.0; MAX_DOF]);
                 for i in 0..dof {
                     (x[i], y[i]) = (q[i] + at * h * v[i], p[i] + at * h * f[i]);
                 }
@@ -289,7 +289,7 @@ impl OnLinks {
             let (sin, cos) = (TAU * (s + phase)).sin_cos();
             (centre + radius * sin, velocity + speed * cos)
         };
-        let (mut x, mut v) = ([0.0; MOST], [0.0; MOST]);
+        let (mut x, mut v) = ([0.0; MAX_DOF], [0.0; MAX_DOF]);
         let l = &self.links;
         if l.dimensions == 3 {
             let ((theta, dtheta), (phi, dphi)) = (of(0), of(1));

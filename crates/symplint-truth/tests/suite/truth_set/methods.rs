@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::truth_set::member::Step;
-use crate::truth_set::systems::{MOST, System};
+use crate::truth_set::systems::{MAX_DOF, System};
 
 /// A composition of Strang steps, by its weights. Order 6: Yoshida 1990, solution A.
 pub const SPLITTINGS: [(&str, &[f64]); 4] = [
@@ -115,7 +115,7 @@ fn drift(system: &System, h: f64, q: &mut [f64], p: &[f64]) {
 }
 
 fn kick(system: &System, h: f64, q: &[f64], p: &mut [f64]) {
-    let mut force = [0.0; MOST];
+    let mut force = [0.0; MAX_DOF];
     let force = &mut force[..q.len()];
     (system.force)(q, force);
     for (p, f) in p.iter_mut().zip(force) {
@@ -152,9 +152,9 @@ pub fn runge_kutta(system: &System, method: &'static Tableau) -> Step {
     let system = system.clone();
     Arc::new(move |h, q, p| {
         let dof = q.len();
-        let mut rates = [[[0.0; MOST]; 2]; 6];
+        let mut rates = [[[0.0; MAX_DOF]; 2]; 6];
         for (stage, row) in method.a.iter().enumerate() {
-            let (mut x, mut y) = ([0.0; MOST], [0.0; MOST]);
+            let (mut x, mut y) = ([0.0; MAX_DOF], [0.0; MAX_DOF]);
             for i in 0..dof {
                 let sum = |c: usize| -> f64 {
                     row.iter().zip(&rates).map(|(a, rate)| a * rate[c][i]).sum()

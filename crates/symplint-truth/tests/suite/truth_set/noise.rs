@@ -7,7 +7,7 @@ use crate::truth_set::batches::{map_of_batches, small_system};
 use crate::truth_set::member::{Expected, Member, Truth, halvings, map_of};
 use crate::truth_set::methods::leapfrog;
 use crate::truth_set::random::Random;
-use crate::truth_set::systems::{MOST, System};
+use crate::truth_set::systems::{MAX_DOF, System};
 
 pub const COUNT: usize = 240;
 
@@ -85,7 +85,7 @@ fn parallel_sums(random: &mut Random) -> Member {
     let masses = system.masses.clone();
     let map = map_of_batches(system.dof(), move |h, rows| {
         for (q, p) in rows {
-            let mut f = [0.0; MOST];
+            let mut f = [0.0; MAX_DOF];
             force(q, &mut f[..q.len()]);
             for (i, p) in p.iter_mut().enumerate() {
                 let first = numbers.whole(0, parts - 1);
@@ -135,7 +135,7 @@ fn random_start(random: &mut Random) -> Member {
                          start: &mut dyn FnMut() -> f64,
                          tolerance: f64| {
         let mut middle: Vec<f64> = q.iter().map(|q| q + start()).collect();
-        let mut f = [0.0; MOST];
+        let mut f = [0.0; MAX_DOF];
         for _ in 0..200 {
             force(&middle, &mut f[..dof]);
             let mut moved = 0.0f64;

@@ -10,7 +10,7 @@ use crate::truth_set::networks;
 use crate::truth_set::random::Random;
 use crate::truth_set::rounding::Rounding;
 use crate::truth_set::rows::Spacing;
-use crate::truth_set::systems::{self, MOST, System};
+use crate::truth_set::systems::{self, MAX_DOF, System};
 
 pub const COUNT: usize = 500;
 
@@ -97,7 +97,7 @@ fn forces(random: &mut Random) -> Member {
     let mut single = system.clone();
     let force = system.force.clone();
     single.force = Arc::new(move |q, f| {
-        let mut x = [0.0; MOST];
+        let mut x = [0.0; MAX_DOF];
         x[..q.len()].copy_from_slice(q);
         Rounding::Single.state(&mut x);
         force(&x[..q.len()], f);

@@ -7,7 +7,7 @@ use crate::truth_set::member::{
 };
 use crate::truth_set::methods::{leapfrog, runge_kutta, tableau};
 use crate::truth_set::random::Random;
-use crate::truth_set::systems::{MOST, System};
+use crate::truth_set::systems::{MAX_DOF, System};
 
 pub const COUNT: usize = 360;
 
@@ -54,7 +54,7 @@ fn light_by_heun(system: &System, heavies: usize) -> Step {
     let (heun, leap) = (runge_kutta(system, tableau("heun")), leapfrog(system));
     Arc::new(move |h, q, p| {
         let dof = q.len();
-        let (mut x, mut y) = ([0.0; MOST], [0.0; MOST]);
+        let (mut x, mut y) = ([0.0; MAX_DOF], [0.0; MAX_DOF]);
         x[..dof].copy_from_slice(q);
         y[..dof].copy_from_slice(p);
         heun(h, &mut x[..dof], &mut y[..dof]);

@@ -6,7 +6,7 @@ use crate::truth_set::member::Ellipses;
 use crate::truth_set::random::Random;
 
 /// Degrees of freedom at most: states of steps stand on the stack.
-pub const MOST: usize = 12;
+pub const MAX_DOF: usize = 12;
 
 /// −∇V(q).
 pub type Force = Arc<dyn Fn(&[f64], &mut [f64]) + Send + Sync>;

@@ -10,7 +10,7 @@ use symplint::Loop;
 use crate::truth_set::control;
 use crate::truth_set::member::{Expected, KnownBreak, Member, Step, Truth, halvings, map_of};
 use crate::truth_set::random::Random;
-use crate::truth_set::systems::{self, MOST, System};
+use crate::truth_set::systems::{self, MAX_DOF, System};
 
 pub const COUNT: usize = 240;
 
@@ -44,7 +44,7 @@ impl Solver {
     /// One step with as many iterations as it takes, or as `forced` says: their number, and the last change.
     fn step(&self, h: f64, q: &mut [f64], p: &mut [f64], forced: Option<usize>) -> (usize, f64) {
         let (dof, system) = (q.len(), &self.system);
-        let (mut x, mut y, mut force) = ([0.0; MOST], [0.0; MOST], [0.0; MOST]);
+        let (mut x, mut y, mut force) = ([0.0; MAX_DOF], [0.0; MAX_DOF], [0.0; MAX_DOF]);
         y[..dof].copy_from_slice(p);
         if self.predicts {
             (system.force)(q, &mut force[..dof]);

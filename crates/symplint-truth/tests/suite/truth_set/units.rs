@@ -10,7 +10,7 @@ use crate::truth_set::member::{
 };
 use crate::truth_set::methods::{SPLITTINGS, damped, runge_kutta, splitting, tableau};
 use crate::truth_set::random::Random;
-use crate::truth_set::systems::{self, MOST, System};
+use crate::truth_set::systems::{self, MAX_DOF, System};
 
 pub const COUNT: usize = 600;
 
@@ -50,7 +50,7 @@ impl Units {
         let Units { a, b, time, origin } = self.clone();
         Arc::new(move |h, q, p| {
             let dof = q.len();
-            let (mut x, mut y) = ([0.0; MOST], [0.0; MOST]);
+            let (mut x, mut y) = ([0.0; MAX_DOF], [0.0; MAX_DOF]);
             for i in 0..dof {
                 (x[i], y[i]) = (q[i] / a[i] - origin, p[i] / b[i]);
             }

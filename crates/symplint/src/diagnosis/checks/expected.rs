@@ -1,21 +1,21 @@
 //! The evaluations that checks to come are expected to make, for the progress of a diagnosis.
 
 use super::constraint::singular_cost;
-use super::localise::FEWEST_OF_SECTORS;
+use super::localise::MIN_EVALUATIONS_OF_SECTORS;
 use super::memory::cost_again;
-use super::random_loops::LOOPS_OF_GROUP;
+use super::random_loops::LOOPS_PER_GROUP;
 use super::{GivenLoop, Runner};
-use crate::diagnosis::limits::{FOLDED, STATES_OF_A_RETURN, STATES_OF_ROUNDING};
+use crate::diagnosis::limits::{MIN_SAMPLES_OF_FOLDED_LOOP, STATES_OF_RETURN, STATES_OF_ROUNDING};
 use crate::diagnosis::plan::power_below;
 use crate::evidence::{Check, LoopEvidence};
 use crate::jacobian::JacobianTest;
 use crate::rules::Subject;
 
 /// Evaluations for both sides of a break, about. Calibrated on the truth set.
-const OF_BREAK_SIDES: usize = 30;
+const EVALUATIONS_OF_BREAK_SIDES: usize = 30;
 
 /// Evaluations of the loops that confirm a preserved form, about. Calibrated on the truth set.
-const OF_PRESERVED_FORM: usize = 150;
+const EVALUATIONS_OF_PRESERVED_FORM: usize = 150;
 
 /// The number of remaining evaluations depends on these numbers.
 #[derive(Clone, Copy)]
@@ -81,7 +81,7 @@ impl Runner<'_> {
             Check::RandomLoops => self.of_random_loops(subject, cost),
             Check::ManySteps if !is_broken && diagnostic.long_time > 0 => {
                 let affordable = power_below(self.left() / diagnostic.long_time);
-                let samples = cost.samples.max(FOLDED / dof.max(1));
+                let samples = cost.samples.max(MIN_SAMPLES_OF_FOLDED_LOOP / dof.max(1));
                 samples.min(affordable) * diagnostic.long_time
             }
             Check::Jacobian if diagnostic.jacobian => {
@@ -96,22 +96,22 @@ impl Runner<'_> {
                     _ if !is_broken => cost.step,
                     passes => passes * cost.step,
                 };
-                let of_sectors = substeps + FEWEST_OF_SECTORS;
+                let of_sectors = substeps + MIN_EVALUATIONS_OF_SECTORS;
                 let has_sectors = !is_broken && self.left() > of_sectors;
                 // Without a second look at each side.
-                substeps + usize::from(has_sectors) * FEWEST_OF_SECTORS / 2
+                substeps + usize::from(has_sectors) * MIN_EVALUATIONS_OF_SECTORS / 2
             }
             Check::SampleSweep => (diagnostic.sample_sweep.iter())
                 .flat_map(|sweep| &sweep.counts)
                 .sum(),
-            Check::BreakSides if is_broken => OF_BREAK_SIDES,
+            Check::BreakSides if is_broken => EVALUATIONS_OF_BREAK_SIDES,
             // In one degree of freedom the Jacobian is enough.
             Check::PreservedForm if shows && !is_broken && diagnostic.properties && dof > 1 => {
-                OF_PRESERVED_FORM
+                EVALUATIONS_OF_PRESERVED_FORM
             }
             Check::Structure if diagnostic.properties => {
                 let ample = usize::from(!self.plan.is_tight());
-                2 * (STATES_OF_A_RETURN[ample] + STATES_OF_ROUNDING[ample])
+                2 * (STATES_OF_RETURN[ample] + STATES_OF_ROUNDING[ample])
             }
             _ => 0,
         }
@@ -129,7 +129,7 @@ impl Runner<'_> {
         }
         let further_groups = cost.groups.saturating_sub(1);
         let has_period = (0..subject.dof()).any(|i| subject.coordinates().period(i) != 0.0);
-        let all = count + LOOPS_OF_GROUP * further_groups + usize::from(has_period);
+        let all = count + LOOPS_PER_GROUP * further_groups + usize::from(has_period);
         let of_loop = cost.step.max(self.plan.first_samples);
         let needed = self.needed_loops().min(all);
         let to_come = needed.saturating_sub(random.len()) * of_loop;

@@ -2,7 +2,7 @@
 
 use super::constraint::singular_cost;
 use super::{GivenLoop, Runner, if_possible};
-use crate::diagnosis::limits::{MOST_FEATURES, OF_A_FEATURE, PART_OF_SAMPLES};
+use crate::diagnosis::limits::{DISPLACEMENT_AT_FEATURE, MAX_FEATURES, ROUGHNESS_PART_OF_SAMPLES};
 use crate::diagnosis::plan::fits;
 use crate::diagnosis::resolve::features::roughest_sample;
 use crate::diagnosis::resolve::refined_samples::RefinedSamples;
@@ -74,7 +74,7 @@ impl Runner<'_> {
         let features = features.map(|(index, feature)| (index, JacobianPlace::Feature(feature)));
         let changed = self.changed_loop();
         let roughest = changed.map(|(found, h)| (found.index, JacobianPlace::Roughest { h }));
-        features.take(MOST_FEATURES).chain(roughest).collect()
+        features.take(MAX_FEATURES).chain(roughest).collect()
     }
 
     /// The Jacobian at a place of a loop, and what a defect becomes at a second step size; `None` if too few evaluations are left.
@@ -89,7 +89,7 @@ impl Runner<'_> {
         let Some(found) = found.filter(|found| found.kind != LoopKind::Image) else {
             return Ok(None);
         };
-        let samples = (found.samples / PART_OF_SAMPLES).max(FEW_SAMPLES);
+        let samples = (found.samples / ROUGHNESS_PART_OF_SAMPLES).max(FEW_SAMPLES);
         let (dof, has_tangent) = (subject.dof(), subject.evaluator.has_tangent());
         let left = self.left_for_features(dof);
         let Some(one) = JacobianTest::within(left, dof, has_tangent) else {
@@ -126,7 +126,7 @@ impl Runner<'_> {
             ..one
         };
         let (evaluator, phase_loop) = (subject.evaluator, subject.phase_loop);
-        let size = given.size.times(OF_A_FEATURE);
+        let size = given.size.times(DISPLACEMENT_AT_FEATURE);
         let found = one.run_at(evaluator, phase_loop, &size, h, vec![s])?;
         if found.shows_defect() {
             self.evidence.jacobian_decay = self.jacobian_decay(&one, subject, &size, &found);

@@ -2,10 +2,11 @@
 
 use super::{GivenLoop, Runner, failed};
 use crate::diagnosis::limits::{
-    BLOCKS_PART, CLEAR_OF_METHOD, DECAY_PART, JACOBIAN_PART_OF_MANY, MOST_OF_BLOCKS,
+    BLOCKS_PART, DECAY_PART, JACOBIAN_PART_OF_LARGE_BUDGET, MAX_DOF_OF_BLOCKS,
+    MIN_DEFECT_OVER_METHOD,
 };
 use crate::error::Error;
-use crate::evidence::{Check, FEWEST_OF_A_LAW, LoopEvidence, NARROWEST_RANGE, Why};
+use crate::evidence::{Check, LoopEvidence, MIN_RANGE_OF_LAW, MIN_STEP_SIZES_OF_LAW, Why};
 use crate::jacobian::{DefectBlocks, JacobianDecay, JacobianEvidence, JacobianTest};
 use crate::loops::FEW_SAMPLES;
 use crate::map::LoopSize;
@@ -81,11 +82,11 @@ impl Runner<'_> {
             full_up_to: dof,
             ..*test
         };
-        one.budget = one.evaluations(dof, has_tangent) + JacobianTest::ALONG_TIME;
-        let planned = self.evidence.evaluations.budget / JACOBIAN_PART_OF_MANY;
+        one.budget = one.evaluations(dof, has_tangent) + JacobianTest::STATES_ALONG_TIME;
+        let planned = self.evidence.evaluations.budget / JACOBIAN_PART_OF_LARGE_BUDGET;
         let most = (self.count.made() / BLOCKS_PART).max(planned);
         let is_affordable = one.budget <= most.min(self.left_for_features(dof));
-        if found.full || found.projected || dof > MOST_OF_BLOCKS || !is_affordable {
+        if found.full || found.projected || dof > MAX_DOF_OF_BLOCKS || !is_affordable {
             return None;
         }
         // A witness that fails is not missed.
@@ -120,7 +121,7 @@ impl Runner<'_> {
         let loops = self.evidence.loops.iter().filter(|of| !of.winds);
         let of_loops: Vec<_> = loops
             .map(significant)
-            .filter(|steps| steps.len() >= FEWEST_OF_A_LAW)
+            .filter(|steps| steps.len() >= MIN_STEP_SIZES_OF_LAW)
             .collect();
         let has_order = !of_loops.is_empty();
         let expected = of_loops.into_iter().flat_map(|steps| {
@@ -129,7 +130,7 @@ impl Runner<'_> {
             let fallen = move |(h, defect)| (h, worst.magnitude() * defect / at_largest);
             steps.into_iter().map(fallen)
         });
-        let least = CLEAR_OF_METHOD * found.method.least_defect();
+        let least = MIN_DEFECT_OVER_METHOD * found.method.least_defect();
         let size_of = |a: &f64, b: &f64| a.abs().total_cmp(&b.abs());
         let h = match has_order {
             true => expected
@@ -139,7 +140,7 @@ impl Runner<'_> {
             // No cause of a break depends on it.
             false if self.evidence.loops.iter().any(LoopEvidence::is_broken) => None,
             false => (self.sizes())
-                .filter(|h| NARROWEST_RANGE * h.abs() <= largest_step.abs())
+                .filter(|h| MIN_RANGE_OF_LAW * h.abs() <= largest_step.abs())
                 .max_by(size_of)
                 .filter(|_| worst.magnitude() >= least),
         }?;

@@ -1,23 +1,23 @@
 //! The given loop in many steps.
 
 use super::{GivenLoop, Runner, failed};
-use crate::diagnosis::limits::{FINE_DEFECT, FOLDED, RESOLVED_DEFECT};
+use crate::diagnosis::limits::{
+    MAX_ERROR_OVER_DEFECT, MIN_SAMPLES_OF_FOLDED_LOOP, SUFFICIENT_ERROR,
+};
 use crate::diagnosis::plan::{fits, power_below};
 use crate::diagnosis::resolve::probe::Probe;
 use crate::error::Error;
-use crate::evidence::{
-    Check, EnergyInTime, FEWEST_SAMPLES, LongTime, LoopAtStep, LoopEvidence, Why,
-};
+use crate::evidence::{Check, EnergyInTime, LongTime, LoopAtStep, LoopEvidence, MIN_SAMPLES, Why};
 use crate::map::Energy;
 use crate::rules::{Rule, Subject};
 use crate::state::Ensemble;
 use crate::trace::{Trace, TracePoint};
 
 /// Blocks of the first half of the steps, whose rates predict the second half. Conventional.
-const BLOCKS: usize = 8;
+const BLOCKS_OF_FIRST_HALF: usize = 8;
 
 /// Points of the curve that is kept, at most. Conventional: more than a figure shows.
-const MOST_OF_CURVE: usize = 200;
+const MAX_CURVE_POINTS: usize = 200;
 
 impl Runner<'_> {
     /// The given loop in many steps, if they are asked for.
@@ -59,13 +59,13 @@ fn follow(
     left: usize,
 ) -> Result<Result<(LongTime, Vec<LoopAtStep>), Why>, Error> {
     let dof = probe.subject.dof();
-    let mut samples = probe.samples.max(FOLDED / dof.max(1));
+    let mut samples = probe.samples.max(MIN_SAMPLES_OF_FOLDED_LOOP / dof.max(1));
     if !probe.keeps_samples() && !fits(dof, samples) {
         return Ok(Err(Why::Memory { samples }));
     }
     // Fewer samples resolve fewer of the steps, which the trace tells.
     let affordable = power_below(left / steps);
-    if affordable < FEWEST_SAMPLES {
+    if affordable < MIN_SAMPLES {
         return Ok(Err(Why::BUDGET));
     }
     samples = samples.min(affordable);
@@ -97,7 +97,7 @@ fn follow(
 
 /// Some of the points, evenly spaced, and the last one.
 fn curve(points: &[TracePoint]) -> Vec<LoopAtStep> {
-    let every = points.len().div_ceil(MOST_OF_CURVE).max(1);
+    let every = points.len().div_ceil(MAX_CURVE_POINTS).max(1);
     let kept = points.iter().rev().step_by(every).map(|point| LoopAtStep {
         step: point.step,
         defect: point.signed_defect,
@@ -194,7 +194,7 @@ fn summary(h: Option<f64>, samples: usize, points: &[TracePoint]) -> LongTime {
     let resolved = points.iter().take_while(|point| {
         largest = largest.max(point.defect);
         (point.quadrature_error)
-            .is_some_and(|error| error <= (RESOLVED_DEFECT * largest).max(FINE_DEFECT))
+            .is_some_and(|error| error <= (MAX_ERROR_OVER_DEFECT * largest).max(SUFFICIENT_ERROR))
     });
     let signed: Vec<f64> = resolved.map(|point| point.signed_defect).collect();
     let defects: Vec<f64> = signed.iter().map(|defect| defect.abs()).collect();
@@ -233,14 +233,14 @@ fn exponent(defects: &[f64]) -> Option<f64> {
     };
     let (early, late) = (mean(&defects[n / 4..n / 2]), mean(&defects[n - n / 4..]));
     let exponent = (late / early).ln() / (7.0f64 / 3.0).ln();
-    (n >= 2 * BLOCKS && exponent.is_finite()).then_some(exponent)
+    (n >= 2 * BLOCKS_OF_FIRST_HALF && exponent.is_finite()).then_some(exponent)
 }
 
 /// The relative change of the area after all steps, from those of the first half: the logarithm of the area continues as before, and its
 /// error is twice what blocks of the first half differ by.
 fn predicted(signed: &[f64]) -> Option<[f64; 2]> {
     let (n, half) = (signed.len(), signed.len() / 2);
-    let block = half / BLOCKS;
+    let block = half / BLOCKS_OF_FIRST_HALF;
     if block == 0 || signed.iter().any(|&defect| defect <= -1.0) {
         return None;
     }
@@ -248,12 +248,12 @@ fn predicted(signed: &[f64]) -> Option<[f64; 2]> {
         0 => 0.0,
         steps => signed[steps - 1].ln_1p(),
     };
-    let rates: Vec<f64> = (0..BLOCKS)
+    let rates: Vec<f64> = (0..BLOCKS_OF_FIRST_HALF)
         .map(|k| (logarithm((k + 1) * block) - logarithm(k * block)) / block as f64)
         .collect();
-    let mean = rates.iter().sum::<f64>() / BLOCKS as f64;
+    let mean = rates.iter().sum::<f64>() / BLOCKS_OF_FIRST_HALF as f64;
     let variance: f64 = rates.iter().map(|rate| (rate - mean).powi(2)).sum();
-    let deviation = (variance / (BLOCKS - 1) as f64).sqrt();
+    let deviation = (variance / (BLOCKS_OF_FIRST_HALF - 1) as f64).sqrt();
     let (change, error) = (n as f64 * mean, 2.0 * n as f64 * deviation);
     Some([change.exp_m1(), error * change.exp()])
 }

@@ -2,7 +2,7 @@
 
 use super::{GivenLoop, Runner};
 use crate::diagnosis::Event;
-use crate::diagnosis::limits::ONLY_STEP;
+use crate::diagnosis::limits::STEP_SIZE_OF_MAP;
 use crate::diagnosis::resolve::initial_samples::InitialSamples;
 use crate::diagnosis::resolve::probe::{Probe, StepMeasurement};
 use crate::diagnosis::resolve::refined_samples::RefinedSamples;
@@ -24,7 +24,7 @@ impl Runner<'_> {
         (self.watch)(Event::Planned(sweep.counts.len()));
         let h = match self.diagnostic.has_step_size {
             true => sweep.step_size,
-            false => ONLY_STEP,
+            false => STEP_SIZE_OF_MAP,
         };
         let subject = probe.subject;
         subject.evaluator.begin_loop();

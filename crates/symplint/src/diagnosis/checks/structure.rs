@@ -2,7 +2,7 @@
 
 use super::{GivenLoop, Runner, failed, if_possible};
 use crate::diagnosis::limits::{
-    SIZES_OF_ENERGY, STATES_OF_A_RETURN, STATES_OF_ROUNDING, STRUCTURE_PART,
+    STATES_OF_RETURN, STATES_OF_ROUNDING, STEP_SIZES_OF_ENERGY, STRUCTURE_PART,
 };
 use crate::diagnosis::plan::fits;
 use crate::error::Error;
@@ -52,7 +52,7 @@ impl Runner<'_> {
         let few = self.plan.is_tight() || !fits(evaluator.dof(), FEW_SAMPLES);
         let is_asked_for =
             structure.asked_for_symmetry || structure.given_reversal || energy.is_some();
-        let states = STATES_OF_A_RETURN[usize::from(!few)] + STATES_OF_ROUNDING[usize::from(!few)];
+        let states = STATES_OF_RETURN[usize::from(!few)] + STATES_OF_ROUNDING[usize::from(!few)];
         if !is_asked_for && 2 * states > self.count.budget() / STRUCTURE_PART {
             return Ok(());
         }
@@ -114,7 +114,7 @@ impl Runner<'_> {
 fn smaller_sizes(sizes: impl Iterator<Item = f64>, largest: f64) -> Vec<f64> {
     let mut smaller: Vec<f64> = sizes.filter(|h| h.abs() < largest.abs()).collect();
     smaller.sort_by(|a, b| b.abs().total_cmp(&a.abs()));
-    smaller.truncate(SIZES_OF_ENERGY);
+    smaller.truncate(STEP_SIZES_OF_ENERGY);
     smaller
 }
 
@@ -175,7 +175,7 @@ struct Returns {
 impl Returns {
     fn new(subject: Subject<'_>, few: bool) -> Self {
         let (evaluator, dof) = (subject.evaluator, subject.dof());
-        let s = parameters(STATES_OF_A_RETURN[usize::from(!few)]);
+        let s = parameters(STATES_OF_RETURN[usize::from(!few)]);
         let moved = STATES_OF_ROUNDING[usize::from(!few)];
         let mut on_loop = Ensemble::zeros(dof, s.len());
         subject.phase_loop.sample(&s, &mut on_loop.block());

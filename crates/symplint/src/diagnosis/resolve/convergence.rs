@@ -1,7 +1,9 @@
 //! When twice the samples are not worth it.
 
-use crate::diagnosis::limits::{ENOUGH, LARGEST_NOISE, OF_ROUNDING, OF_SPIKES, STALLED};
-use crate::evidence::MOST_CELLS_APART;
+use crate::diagnosis::limits::{
+    MAX_ERROR_IN_ROUNDINGS, MAX_GAIN_OF_NOISE, MAX_GAIN_OF_SPIKES, MAX_NOISE, MAX_RESOLVED_ERROR,
+};
+use crate::evidence::MAX_CELLS_BETWEEN_SAMPLES;
 use crate::rules::LoopAfterStep;
 
 /// Quadrature errors as the samples are doubled.
@@ -45,15 +47,15 @@ impl Convergence {
         // If the map rounds, any error that does not fall is noise.
         let (noise, most_stalls) = match of_rounding {
             Some(_) => (f64::INFINITY, 1),
-            None => (LARGEST_NOISE, 2),
+            None => (MAX_NOISE, 2),
         };
-        let may_be_spike = error * OF_SPIKES >= self.last_error;
-        self.stalls = match error <= noise && error * STALLED >= self.last_error {
+        let may_be_spike = error * MAX_GAIN_OF_SPIKES >= self.last_error;
+        self.stalls = match error <= noise && error * MAX_GAIN_OF_NOISE >= self.last_error {
             true => self.stalls + 1,
             false => 0,
         };
         self.last_error = error;
-        let floor = OF_ROUNDING * of_rounding.unwrap_or(0.0);
+        let floor = MAX_ERROR_IN_ROUNDINGS * of_rounding.unwrap_or(0.0);
         let wanted = wanted(advanced).max(floor);
         ConvergenceState {
             error,
@@ -61,14 +63,14 @@ impl Convergence {
             enough: error <= wanted,
             stalled: self.stalls >= most_stalls,
             may_be_spike,
-            resolves_grid: advanced.cells_apart <= MOST_CELLS_APART,
+            resolves_grid: advanced.cells_apart <= MAX_CELLS_BETWEEN_SAMPLES,
         }
     }
 }
 
 /// The quadrature error that is as good as round-off.
 pub(in crate::diagnosis) fn wanted(advanced: &LoopAfterStep) -> f64 {
-    ENOUGH.max(4.0 * advanced.defect.roundoff)
+    MAX_RESOLVED_ERROR.max(4.0 * advanced.defect.roundoff)
 }
 
 impl ConvergenceState {

@@ -4,14 +4,16 @@
 //! But noise is everywhere along the loop, and a feature is at one place and continuous there.
 
 use super::refined_samples::RefinedSamples;
-use crate::diagnosis::limits::{BESIDE_FEATURE, FEATURE_OF_MEDIAN, FEATURE_OF_ROUNDING};
+use crate::diagnosis::limits::{
+    DISTANCE_BESIDE_FEATURE, MIN_FEATURE_OVER_MEDIAN, MIN_FEATURE_OVER_ROUNDING,
+};
 use crate::error::Error;
 use crate::rules::{Subject, roughness};
 use crate::signal::{Extent, nearest};
 use crate::state::{Ensemble, coordinate, period};
 
 /// States that show whether a feature is continuous.
-pub(in crate::diagnosis) const AROUND: usize = 3;
+pub(in crate::diagnosis) const STATES_AROUND_FEATURE: usize = 3;
 
 /// The sample of the loop after a step of size `h` that has met a feature which samples do not resolve, as its parameter.
 ///
@@ -45,7 +47,7 @@ pub(in crate::diagnosis) fn roughest_sample(
 fn outstanding(sizes: &[f64], least: f64) -> Option<(usize, f64)> {
     let mut sorted = sizes.to_vec();
     sorted.sort_by(f64::total_cmp);
-    let most = least.max(FEATURE_OF_MEDIAN * sorted.get(sorted.len() / 2)?);
+    let most = least.max(MIN_FEATURE_OVER_MEDIAN * sorted.get(sorted.len() / 2)?);
     let largest = (0..sizes.len()).max_by(|&a, &b| sizes[a].total_cmp(&sizes[b]))?;
     (sizes[largest] > most).then_some((largest, sizes[largest]))
 }
@@ -60,7 +62,7 @@ fn rounding(after: &Ensemble) -> f64 {
         }
     };
     let largest = (0..2 * after.dof()).map(of_row).fold(1.0, f64::max);
-    FEATURE_OF_ROUNDING * f64::EPSILON * largest
+    MIN_FEATURE_OVER_ROUNDING * f64::EPSILON * largest
 }
 
 /// Whether a sample of the advanced loop, at `s`, that is off by this part of the size of its coordinate is the same when it is
@@ -72,7 +74,8 @@ fn is_continuous(
     s: f64,
     size: f64,
 ) -> Result<bool, Error> {
-    let around: [f64; AROUND] = [-1.0, 0.0, 1.0].map(|k| (s + k * BESIDE_FEATURE).rem_euclid(1.0));
+    let around: [f64; STATES_AROUND_FEATURE] =
+        [-1.0, 0.0, 1.0].map(|k| (s + k * DISTANCE_BESIDE_FEATURE).rem_euclid(1.0));
     let again = subject.evaluator.image(subject.phase_loop, h, &around)?;
     let is_smooth = |c: usize| {
         let (row, period) = (coordinate(&again, c), period(subject.coordinates(), c));

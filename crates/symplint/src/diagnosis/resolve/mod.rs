@@ -7,14 +7,15 @@ pub(in crate::diagnosis) mod probe;
 pub(in crate::diagnosis) mod refined_samples;
 
 use crate::diagnosis::limits::{
-    AGREEMENT, FAR_FROM_WANTED, FEWEST_TRIED, LEAST_KINKED, MOST_BYTES, MOST_KINKED, MOST_STREAMED,
-    MOST_TRIED,
+    MAX_BYTES, MAX_DIFFERENCE_OF_EXPONENTS, MAX_EXPONENT_OF_KINKS, MAX_MISS_OF_TOLERANCE,
+    MAX_PIECEWISE_COORDINATES, MAX_STREAMED_COORDINATES, MIN_EXPONENT_OF_KINKS,
+    MIN_PIECEWISE_EVALUATIONS,
 };
 use crate::diagnosis::plan::fits;
 use crate::diagnosis::plan::{Plan, power_below};
 use crate::diagnosis::{Diagnostic, SampleCount};
 use crate::error::Error;
-use crate::loops::{FEW_SAMPLES, MOST_SAMPLES};
+use crate::loops::{FEW_SAMPLES, MAX_SAMPLES};
 use crate::rules::{LoopAfterStep, Piecewise, Rule, Subject};
 use crate::signal::SIGNIFICANT;
 use crate::state::Ensemble;
@@ -163,7 +164,10 @@ impl Diagnostic {
                     return Ok(probe);
                 }
                 let mut feature = None;
-                if standing.may_be_spike && !standing.enough && has_left(features::AROUND) {
+                if standing.may_be_spike
+                    && !standing.enough
+                    && has_left(features::STATES_AROUND_FEATURE)
+                {
                     feature = feature_at_sample(subject, refined, h)?;
                 }
                 if let Some(s) = feature {
@@ -184,7 +188,7 @@ impl Diagnostic {
                     _ => Ok(probe),
                 };
             }
-            if auto && pieces.is_none() && expected > FAR_FROM_WANTED * standing.wanted {
+            if auto && pieces.is_none() && expected > MAX_MISS_OF_TOLERANCE * standing.wanted {
                 pieces = self.tried(subject, refined, with, start)?;
                 match pieces {
                     Some((pieces, of_pieces)) if of_pieces < expected => return Ok(pieces),
@@ -220,7 +224,7 @@ impl Diagnostic {
             && advanced.breaks.is_empty()
             && error(advanced) > most;
         let left = with.allowance.saturating_sub(known.evaluations);
-        if !is_suspect || left < features::AROUND {
+        if !is_suspect || left < features::STATES_AROUND_FEATURE {
             return Ok(None);
         }
         let Some(refined) = refined() else {
@@ -276,7 +280,7 @@ impl Diagnostic {
         plan: &Plan,
         allowance: usize,
     ) -> Piecewise {
-        let most = (MOST_TRIED / dof.max(1)).min(allowance);
+        let most = (MAX_PIECEWISE_COORDINATES / dof.max(1)).min(allowance);
         let piecewise = match self.rule {
             Rule::Piecewise(piecewise) => piecewise,
             _ => self.piecewise,
@@ -300,7 +304,7 @@ impl Diagnostic {
         let count = subject.evaluator.count();
         let spent = count.made() - start;
         let left = with.allowance.saturating_sub(spent);
-        if left < FEWEST_TRIED {
+        if left < MIN_PIECEWISE_EVALUATIONS {
             return Ok(None);
         }
         let rule = Rule::Piecewise(self.affordable(subject.dof(), with.plan, left));
@@ -371,16 +375,16 @@ fn apart(pieces: &Probe<'_>, samples: &Probe<'_>, h: f64) -> f64 {
 /// grows as soon as samples resolve it.
 fn settled(before: Option<f64>, now: Option<f64>) -> Option<f64> {
     let (before, now) = before.zip(now)?;
-    let agree = (before - now).abs() < AGREEMENT;
-    (agree && (LEAST_KINKED..=MOST_KINKED).contains(&now)).then_some(now)
+    let agree = (before - now).abs() < MAX_DIFFERENCE_OF_EXPONENTS;
+    (agree && (MIN_EXPONENT_OF_KINKS..=MAX_EXPONENT_OF_KINKS).contains(&now)).then_some(now)
 }
 
 /// The most samples in memory, a power of two, for this number of degrees of freedom.
 fn range_of_samples(dof: usize) -> usize {
-    power_below(MOST_BYTES / (16 * dof.max(1))).clamp(FEW_SAMPLES, MOST_SAMPLES)
+    power_below(MAX_BYTES / (16 * dof.max(1))).clamp(FEW_SAMPLES, MAX_SAMPLES)
 }
 
 /// The most samples of the streaming rule, a power of two, for this number of degrees of freedom.
 fn most_streamed(dof: usize, fewest: usize) -> usize {
-    power_below(MOST_STREAMED / dof.max(1)).clamp(fewest.min(MOST_SAMPLES), MOST_SAMPLES)
+    power_below(MAX_STREAMED_COORDINATES / dof.max(1)).clamp(fewest.min(MAX_SAMPLES), MAX_SAMPLES)
 }

@@ -1,7 +1,7 @@
 //! One loop with a rule and a number of samples, ready to be advanced by any step size.
 
 use super::initial_samples::InitialSamples;
-use crate::diagnosis::limits::FEWEST_TRIED;
+use crate::diagnosis::limits::MIN_PIECEWISE_EVALUATIONS;
 use crate::diagnosis::plan::fits;
 use crate::error::Error;
 use crate::evidence::{Closing, LoopEvidence, StepEvidence};
@@ -108,7 +108,7 @@ impl<'a> Probe<'a> {
     /// The evaluations that one more step takes at least.
     pub fn least_cost(&self) -> usize {
         let of_pieces = match self.rule {
-            Rule::Piecewise(_) => FEWEST_TRIED,
+            Rule::Piecewise(_) => MIN_PIECEWISE_EVALUATIONS,
             _ => 0,
         };
         self.samples + of_pieces

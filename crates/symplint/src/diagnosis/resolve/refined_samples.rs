@@ -1,6 +1,6 @@
 //! Samples that are doubled without making or advancing any of them twice.
 
-use crate::diagnosis::limits::{COARSE, MOST_ROUNDED};
+use crate::diagnosis::limits::{MAX_FIRST_SAMPLES_OF_ROUNDED_MAP, SAMPLES_OF_ROUNDING_TEST};
 use crate::error::{Error, StateAt};
 use crate::rules::Subject;
 use crate::state::{Ensemble, coordinate};
@@ -59,7 +59,7 @@ impl<'a> RefinedSamples<'a> {
         let widths = grain.map_or(f64::INFINITY, |grain| grain.widths());
         let most = match widths.is_finite() {
             // A loop goes there and back.
-            true => (2.0 * widths).min(MOST_ROUNDED),
+            true => (2.0 * widths).min(MAX_FIRST_SAMPLES_OF_ROUNDED_MAP),
             false => f64::INFINITY,
         };
         while count < samples && 2.0 * count as f64 <= most {
@@ -106,7 +106,7 @@ impl<'a> RefinedSamples<'a> {
 
 /// The samples with which [`RefinedSamples::down_to_the_grain`] begins to double them to this number.
 pub(in crate::diagnosis) fn coarse(samples: usize) -> usize {
-    let doublings = (samples / COARSE).max(1).ilog2();
+    let doublings = (samples / SAMPLES_OF_ROUNDING_TEST).max(1).ilog2();
     samples >> doublings.min(samples.trailing_zeros())
 }
 

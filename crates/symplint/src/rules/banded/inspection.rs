@@ -19,16 +19,16 @@ pub(super) const Q_STRIDE: usize = 8;
 pub(super) const P_STRIDE: usize = 2 * Q_STRIDE;
 
 /// Groups of windows that are added up before a rough row is left.
-const AT_ONCE: usize = 8;
+const GROUPS_AT_ONCE: usize = 8;
 
 /// The rounding of samples, taken as rounding of the largest, rarely makes more than this of a difference: half of the sum of its
 /// absolute weights, 2^23/√binom(46, 23). What exceeds it may be a jump.
-const ROUNDINGS_OF_A_DIFFERENCE: f64 = 1.46;
+const MAX_ROUNDINGS_OF_DIFFERENCE: f64 = 1.46;
 
 /// A jump of a coordinate is at most this many times the difference of the window that shows it most, √binom(46, 23)/binom(22, 7), and
 /// this many times in the mean of all places.
-const JUMP_OF_A_DIFFERENCE: f64 = 16.83;
-const MEAN_JUMP_OF_A_DIFFERENCE: f64 = 6.0;
+const MAX_JUMP_OVER_DIFFERENCE: f64 = 16.83;
+const MEAN_JUMP_OVER_DIFFERENCE: f64 = 6.0;
 
 /// The difference of a window, scaled so that white noise keeps its variance.
 static DIFFERENCE: LazyLock<[f64; WINDOW]> = LazyLock::new(|| {
@@ -71,8 +71,8 @@ impl Inspection {
         let (from_group, span) = (LANES * stride, (LANES - 1) * stride + WINDOW);
         let groups = (row.len() - span) / from_group + 1;
         let mut sums = WindowSums::default();
-        for group in (0..groups).step_by(AT_ONCE) {
-            let count = AT_ONCE.min(groups - group);
+        for group in (0..groups).step_by(GROUPS_AT_ONCE) {
+            let count = GROUPS_AT_ONCE.min(groups - group);
             let of_groups = &row[group * from_group..][..(count - 1) * from_group + span];
             sums = add_windows(of_groups, stride, row[0], sums);
             sums.check()?;
@@ -102,10 +102,10 @@ impl Inspection {
         // About the largest of this number of differences that are noise.
         let of_noise = (2.0 * (self.windows as f64).ln()).sqrt() * self.noise;
         let factor = match self.largest > of_noise {
-            true => JUMP_OF_A_DIFFERENCE,
-            false => MEAN_JUMP_OF_A_DIFFERENCE,
+            true => MAX_JUMP_OVER_DIFFERENCE,
+            false => MEAN_JUMP_OVER_DIFFERENCE,
         };
-        factor * (self.largest - ROUNDINGS_OF_A_DIFFERENCE * UNIT_ROUNDOFF * size).max(0.0)
+        factor * (self.largest - MAX_ROUNDINGS_OF_DIFFERENCE * UNIT_ROUNDOFF * size).max(0.0)
     }
 }
 
@@ -190,7 +190,7 @@ mod tests {
         let weights = *DIFFERENCE;
         let sum: f64 = weights.iter().map(|w| w.abs()).sum();
         assert!(
-            (0.5 * sum / ROUNDINGS_OF_A_DIFFERENCE - 1.0).abs() < 2e-3,
+            (0.5 * sum / MAX_ROUNDINGS_OF_DIFFERENCE - 1.0).abs() < 2e-3,
             "{sum}"
         );
         // A jump in each cell, seen by the window that shows it most.
@@ -202,10 +202,13 @@ mod tests {
                 .fold(0.0, f64::max)
         };
         let least = (0..Q_STRIDE).map(most).fold(1.0, f64::min);
-        assert!((least * JUMP_OF_A_DIFFERENCE - 1.0).abs() < 1e-3, "{least}");
+        assert!(
+            (least * MAX_JUMP_OVER_DIFFERENCE - 1.0).abs() < 1e-3,
+            "{least}"
+        );
         let mean = (0..Q_STRIDE).map(most).sum::<f64>() / Q_STRIDE as f64;
         assert!(
-            (mean * MEAN_JUMP_OF_A_DIFFERENCE - 1.0).abs() < 0.02,
+            (mean * MEAN_JUMP_OVER_DIFFERENCE - 1.0).abs() < 0.02,
             "{mean}"
         );
     }

@@ -13,7 +13,7 @@ pub(super) const LAGS: usize = 5;
 pub(super) const REACH: usize = 2 * LAGS;
 
 /// Samples whose products are summed before the sum is added to the others: rounding grows with the root of this number.
-const RUN: usize = 512;
+const SAMPLES_OF_SUM: usize = 512;
 
 /// R_k = Σ_j p_j (q_{j+k} − q_{j−k}) round the loop for the [`LAGS`] lags k after `done`.
 pub(super) fn add_lags(q: &[f64], p: &[f64], done: usize, sums: &mut [f64; REACH]) {
@@ -24,8 +24,8 @@ pub(super) fn add_lags(q: &[f64], p: &[f64], done: usize, sums: &mut [f64; REACH
     let samples = q.len();
     let sums = &mut sums[done..done + LAGS];
     let end = (samples - REACH) / LANES * LANES;
-    for from in (START..end).step_by(RUN) {
-        let to = (from + RUN).min(end);
+    for from in (START..end).step_by(SAMPLES_OF_SUM) {
+        let to = (from + SAMPLES_OF_SUM).min(end);
         let of_run = lag_sums(q, p, from..to, done, p[0]);
         sums.iter_mut().zip(of_run).for_each(|(sum, r)| *sum += r);
     }

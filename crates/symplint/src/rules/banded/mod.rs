@@ -18,12 +18,12 @@ use std::sync::LazyLock;
 use self::inspection::{Inspection, P_STRIDE, Q_STRIDE};
 use self::lags::{LAGS, REACH, add_lags};
 use super::RowIntegral;
-use super::stencil::{FOLDED, Stencil};
+use super::stencil::{ALIASING_FACTOR, Stencil};
 use crate::signal::{LANES, UNIT_ROUNDOFF};
 
 /// The fewest samples that the rule is for: fewer are transformed nearly as fast, and have so few windows that a jump makes much of
 /// what looks like noise.
-const FEWEST: usize = 512;
+const MIN_SAMPLES: usize = 512;
 
 /// What rounding makes of the sums, in units of what it makes of their scale. Calibrated: with this, errors of 893 random loops of 24
 /// modes are at most 0.4 of what is stated.
@@ -31,10 +31,10 @@ const ROUNDINGS_OF_SUMS: f64 = 6.0;
 
 /// The rule answers if its error estimate, with the jump that noise may hide, is at most this part of the scale of the integral: half of
 /// what counts as round-off, as a defect has two integrals.
-const MOST_ERROR: f64 = 5e-15;
+const MAX_ERROR: f64 = 5e-15;
 
 /// Products of coordinates of these sizes, and the squares of their roundings, neither under- nor overflow.
-const MODERATE: Range<f64> = 1e-100..1e100;
+const RANGE_OF_SIZES: Range<f64> = 1e-100..1e100;
 
 /// The central differences of orders 8 and 10, and of orders 18 and 20.
 static CENTRED: LazyLock<[[Vec<f64>; 2]; 2]> = LazyLock::new(|| {
@@ -45,12 +45,12 @@ static CENTRED: LazyLock<[[Vec<f64>; 2]; 2]> = LazyLock::new(|| {
 /// ∮ p dq of a row that is smooth to rounding; `None` for any other. What q gains in one turn, `gain`, was taken off it.
 pub(super) fn integrate(q: &[f64], p: &[f64], gain: f64) -> Option<RowIntegral> {
     let samples = q.len();
-    if samples < FEWEST {
+    if samples < MIN_SAMPLES {
         return None;
     }
     let of_q = Inspection::of(q, Q_STRIDE)?;
     let of_p = Inspection::of(p, P_STRIDE)?;
-    if !(MODERATE.contains(&of_q.deviation) && MODERATE.contains(&of_p.deviation)) {
+    if !(RANGE_OF_SIZES.contains(&of_q.deviation) && RANGE_OF_SIZES.contains(&of_p.deviation)) {
         return None;
     }
     let (q_size, p_size) = (of_q.size + gain.abs(), of_p.size);
@@ -61,11 +61,11 @@ pub(super) fn integrate(q: &[f64], p: &[f64], gain: f64) -> Option<RowIntegral> 
     let summed = ROUNDINGS_OF_SUMS * UNIT_ROUNDOFF * scale;
     let winding = 2.0 * UNIT_ROUNDOFF * gain.abs() * p_size;
     // Beyond what the stencils miss.
-    let folded = FOLDED * (of_p.noise * of_q.slope + of_q.noise * of_p.slope) / root;
+    let folded = ALIASING_FACTOR * (of_p.noise * of_q.slope + of_q.noise * of_p.slope) / root;
     let of_mean = gain.abs() * of_p.noise / root;
     let of_jump = SQRT_2 * of_p.deviation * of_q.jump(q_size);
     let hidden = folded + of_mean + of_jump;
-    let most = MOST_ERROR * scale + 2.0 * stored;
+    let most = MAX_ERROR * scale + 2.0 * stored;
     if hidden.is_nan() || hidden > most {
         return None;
     }
@@ -240,7 +240,7 @@ mod tests {
                 assert!(integrate(&cosine, &scaled, 0.0).is_none(), "{size}");
             }
         }
-        let few = row(FEWEST - 1, |s| (TAU * s).sin());
+        let few = row(MIN_SAMPLES - 1, |s| (TAU * s).sin());
         assert!(integrate(&few, &few, 0.0).is_none());
     }
 

@@ -8,7 +8,7 @@
 use std::f64::consts::PI;
 
 use super::curves::CurvePoint;
-use super::limits::{FAR, NEIGHBOURS, REACH};
+use super::limits::{BREAKS_ON_EACH_SIDE, DISTANCE_OF_SLOPES, MAX_DISTANCE_OF_NEIGHBOURS};
 use super::refinement::{CurveBreak, Refinement};
 use crate::error::Error;
 use crate::signal::nearest;
@@ -85,7 +85,7 @@ fn uncertain(refinement: &Refinement<'_>) -> Vec<Uncertain> {
         .filter_map(|k| {
             let after = |j: usize| (k + j) % count;
             let before = |j: usize| (k + count - j) % count;
-            let reach = REACH.min(count - 1);
+            let reach = BREAKS_ON_EACH_SIDE.min(count - 1);
             let there = (1..=reach)
                 .map(after)
                 .find(|&j| undoes(k, j))
@@ -98,8 +98,10 @@ fn uncertain(refinement: &Refinement<'_>) -> Vec<Uncertain> {
             // At half that distance from a turning point, a coordinate as curved as the loop, (2π)²
             // times its size, climbs by 2π² times the distance.
             let moved = (refinement.scales.input_rounding / (2.0 * PI * PI * apart)).min(apart);
-            let free = FAR.min(0.5 * gap(k, after(1))).min(0.5 * gap(before(1), k));
-            (moved > NEIGHBOURS && free > 0.0).then_some(Uncertain {
+            let free = DISTANCE_OF_SLOPES
+                .min(0.5 * gap(k, after(1)))
+                .min(0.5 * gap(before(1), k));
+            (moved > MAX_DISTANCE_OF_NEIGHBOURS && free > 0.0).then_some(Uncertain {
                 index: order[k],
                 distance: moved,
                 free,

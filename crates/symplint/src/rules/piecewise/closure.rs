@@ -2,7 +2,7 @@
 
 use super::Closure;
 use super::curves::{PointImage, Segment};
-use super::limits::BORN;
+use super::limits::MIN_PART_OF_FINAL_JUMP;
 use super::piece::Piece;
 use super::refinement::{CurveBreak, Refinement};
 use super::scales::Scales;
@@ -88,7 +88,10 @@ fn birth(found: &CurveBreak, scales: &Scales, coordinates: &Coordinates) -> usiz
     };
     let sizes: Vec<f64> = (0..low.stages()).map(size).collect();
     let most = sizes.iter().copied().fold(0.0, f64::max);
-    (sizes.iter().position(|&size| size > BORN * most)).unwrap_or(sizes.len() - 1)
+    (sizes
+        .iter()
+        .position(|&size| size > MIN_PART_OF_FINAL_JUMP * most))
+    .unwrap_or(sizes.len() - 1)
 }
 
 impl CurveBreak {

@@ -216,16 +216,16 @@ impl Curves<'_> {
 /// Appends the state of each sample of a block to what is known of the sample.
 fn append_states(images: &mut [Vec<f64>], block: &Block<'_>) {
     /// Samples that are taken out of the rows together: four cache lines of a row, which lie one after the other.
-    const TOGETHER: usize = 32;
+    const SAMPLES_TOGETHER: usize = 32;
     /// Coordinates that are put into their states together: a cache line of each.
     const LINE: usize = 8;
     let tables = [block.q.as_rows(), block.p.as_rows()];
     let rows: Vec<&[f64]> = (tables.iter())
         .flat_map(|rows| (0..rows.count()).map(|i| rows.row(i)))
         .collect();
-    let mut tile = [[0.0; LINE]; TOGETHER];
-    for (together, images) in images.chunks_mut(TOGETHER).enumerate() {
-        let first = together * TOGETHER;
+    let mut tile = [[0.0; LINE]; SAMPLES_TOGETHER];
+    for (together, images) in images.chunks_mut(SAMPLES_TOGETHER).enumerate() {
+        let first = together * SAMPLES_TOGETHER;
         for rows in rows.chunks(LINE) {
             for (i, row) in rows.iter().enumerate() {
                 let values = &row[first..first + images.len()];

@@ -8,8 +8,9 @@ use multiversion::multiversion;
 use super::fit::{Fit, ends_of_tail, fit, fit_all, turning_point};
 use super::jump::Jump;
 use super::limits::{
-    AND_MOTION, AS_GOOD, DECAYS, EXPLAINS, FULL, KINK_SAFETY, MOST_TURNING_POINTS, NOISES,
-    ROUNDING, SAFETY, SAME_TURNING_POINT, SMOOTH, TERMS, VANISHES,
+    FIRST_SMALL_COEFFICIENT, FULL_LEVEL, KINK_SAFETY, MARGIN_OF_NOISE, MARGIN_OF_RANGE,
+    MAX_DISTANCE_OF_SAME_TURN, MAX_SIZE_AT_KINK, MAX_TERMS_OF_BREAK, MAX_TURNING_POINTS, MIN_DECAY,
+    MIN_EXPLAINED_PART, MIN_JUMP_OVER_ROUNDING, MIN_PART_OF_BEST, ROUNDING_OF_OPERATIONS,
 };
 use super::lobatto::{
     DEGREE, LOBATTO, POINTS, Values, evaluate, explained, largest, polynomial, tail_squared,
@@ -126,7 +127,7 @@ impl<'a> View<'a> {
             self.fit_all(&tile[..coordinates.len()]);
             let mut fits = coordinates.zip(&self.fits[before..]);
             are_good &= fits.all(|(c, fit)| fit.off <= self.allowed(c, fit));
-            if !are_good && self.piece.level < FULL {
+            if !are_good && self.piece.level < FULL_LEVEL {
                 return None;
             }
         }
@@ -171,7 +172,7 @@ impl<'a> View<'a> {
         if are_good && missed.is_none() {
             return Some(Finding::Smooth(self.turning_points()));
         }
-        if self.piece.level < FULL {
+        if self.piece.level < FULL_LEVEL {
             return None;
         }
         if self.piece.is_short() {
@@ -233,13 +234,13 @@ impl<'a> View<'a> {
             smooth.areas.push(weight * of_dof.area);
             smooth.gains.push(q.values[DEGREE] - q.values[0]);
             // The noise may be a jump, as large as states scatter.
-            let scatter = |noise: &Arc<[f64]>| noise[i] / SAFETY;
+            let scatter = |noise: &Arc<[f64]>| noise[i] / MARGIN_OF_NOISE;
             let scatter = self.piece.noise.as_ref().map_or(0.0, scatter);
             // Any part of it may be a jump, which is missing where the reference is accounted for; of a straight
             // line, no more than its points are off.
             let jump = if short { q.off.min(q.range) } else { q.range };
             let anywhere = p.range + of_dof.largest_from_reference + reference.abs();
-            smooth.error_of_jump += weight.abs() * AND_MOTION * jump * anywhere;
+            smooth.error_of_jump += weight.abs() * MARGIN_OF_RANGE * jump * anywhere;
             smooth.error += weight.abs() * (q.error * p.range + p.error * q.range);
             smooth.error_of_noise += weight.abs() * scatter.min(q.range) * anywhere;
             smooth.exposure +=
@@ -269,7 +270,8 @@ impl<'a> View<'a> {
             }
             for (k, i) in positions.enumerate() {
                 // What rests has none, but for rounding.
-                let moves = |fit: &Fit| fit.range > ROUNDING * self.scales.magnitude[i];
+                let moves =
+                    |fit: &Fit| fit.range > ROUNDING_OF_OPERATIONS * self.scales.magnitude[i];
                 let turns = |values: &Values| LOBATTO.turns(values, self.piece.level);
                 let mut add = |fit: &Fit| {
                     if moves(fit) {
@@ -295,8 +297,8 @@ impl<'a> View<'a> {
             }
         }
         points.sort_by(f64::total_cmp);
-        points.dedup_by(|a, b| (*a - *b).abs() < SAME_TURNING_POINT);
-        let every = points.len().div_ceil(MOST_TURNING_POINTS).max(1);
+        points.dedup_by(|a, b| (*a - *b).abs() < MAX_DISTANCE_OF_SAME_TURN);
+        let every = points.len().div_ceil(MAX_TURNING_POINTS).max(1);
         let fits = || self.fits.iter();
         let expected = points.into_iter().step_by(every).map(|x| {
             let values = fits().map(|fit| evaluate(&fit.coefficients, x));
@@ -328,13 +330,13 @@ impl<'a> View<'a> {
             return in_the_middle(Why::Steep);
         }
         let best = (0..DEGREE)
-            .filter(|&i| explained[i] >= AS_GOOD * most)
+            .filter(|&i| explained[i] >= MIN_PART_OF_BEST * most)
             .min_by_key(|&i| LOBATTO.gaps[i].terms());
         // Sums that overflow explain nothing, either.
-        let Some(best) = best.filter(|_| most >= EXPLAINS * all) else {
+        let Some(best) = best.filter(|_| most >= MIN_EXPLAINED_PART * all) else {
             return in_the_middle(Why::Unexplained);
         };
-        let steps: Vec<[f64; TERMS]> = (self.fits.iter())
+        let steps: Vec<[f64; MAX_TERMS_OF_BREAK]> = (self.fits.iter())
             .map(|fit| LOBATTO.gaps[best].jump(&fit.coefficients))
             .collect();
         if let Some(ends) = self.kink(best, &steps, (all - most).max(0.0)) {
@@ -350,15 +352,15 @@ impl<'a> View<'a> {
     }
 
     /// The jump by `steps` in a gap, unless rounding alone may be one of its size.
-    fn jump(&self, best: usize, steps: &[[f64; TERMS]]) -> Option<Jump> {
+    fn jump(&self, best: usize, steps: &[[f64; MAX_TERMS_OF_BREAK]]) -> Option<Jump> {
         let gap = &LOBATTO.gaps[best];
         let (low, high) = (LOBATTO.nodes[best], LOBATTO.nodes[best + 1]);
         let middle = 0.5 * (low + high);
         let direction: Vec<f64> = (steps.iter().enumerate())
             .map(|(c, step)| self.scales.weight(c).powi(2) * polynomial(step, middle))
             .collect();
-        let mut left = [0.0; SMOOTH];
-        let mut step = [0.0; TERMS];
+        let mut left = [0.0; FIRST_SMALL_COEFFICIENT];
+        let mut step = [0.0; MAX_TERMS_OF_BREAK];
         let mut expected = 0.0;
         let mut noise = 0.0;
         let reference: Vec<f64> = self.fits.iter().map(|fit| fit.values[best]).collect();
@@ -374,7 +376,7 @@ impl<'a> View<'a> {
             expected += direction[c] * polynomial(&steps[c], middle);
             noise += (direction[c] * self.allowed(c, fit)).powi(2);
         }
-        if expected < NOISES * noise.sqrt() {
+        if expected < MIN_JUMP_OVER_ROUNDING * noise.sqrt() {
             return None;
         }
         let ends = [best, best + 1].map(|k| self.piece.image(k).clone());
@@ -398,12 +400,17 @@ impl<'a> View<'a> {
             early += weight * first;
             late += weight * last;
         }
-        late < DECAYS * early
+        late < MIN_DECAY * early
     }
 
     /// Between which points of a gap the steps of all coordinates vanish, if they do: as closely as what is
     /// left `unexplained` lets it be known.
-    fn kink(&self, gap: usize, steps: &[[f64; TERMS]], unexplained: f64) -> Option<[f64; 2]> {
+    fn kink(
+        &self,
+        gap: usize,
+        steps: &[[f64; MAX_TERMS_OF_BREAK]],
+        unexplained: f64,
+    ) -> Option<[f64; 2]> {
         const POSITIONS: usize = 64;
         let (low, high) = (LOBATTO.nodes[gap], LOBATTO.nodes[gap + 1]);
         let square = |x: f64| {
@@ -417,7 +424,7 @@ impl<'a> View<'a> {
         let most = squares.iter().copied().fold(0.0, f64::max);
         let by_size = |&a: &usize, &b: &usize| squares[a].total_cmp(&squares[b]);
         let least = (0..=POSITIONS).min_by(by_size)?;
-        if squares[least] >= VANISHES * most {
+        if squares[least] >= MAX_SIZE_AT_KINK * most {
             return None;
         }
         // Next to the end of the gap: what is wider than one position is not known to be smooth.

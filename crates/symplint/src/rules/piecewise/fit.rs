@@ -2,7 +2,10 @@
 
 use multiversion::multiversion;
 
-use super::limits::{CHECKS, DECAYS, DEGREES, FULL, OF_A_CHECK, OF_A_JUMP, SMOOTH};
+use super::limits::{
+    CHECKS, DEGREES, ERROR_OVER_CHECK, FIRST_SMALL_COEFFICIENT, FULL_LEVEL, MAX_JUMP_OVER_DISTANCE,
+    MIN_DECAY,
+};
 use super::lobatto::{
     DEGREE, LOBATTO, NODES, POINTS, Values, derivative, evaluate, evaluate_each, tail_squared,
 };
@@ -31,10 +34,10 @@ impl Fit {
         let most = misses.fold(0.0, |most: f64, (&x, value)| {
             most.max((line(x) - value).abs())
         });
-        let off = OF_A_JUMP * most;
+        let off = MAX_JUMP_OVER_DISTANCE * most;
         Fit {
             values,
-            coefficients: LOBATTO.coefficients(&values, FULL),
+            coefficients: LOBATTO.coefficients(&values, FULL_LEVEL),
             range: Extent::of(&values).length(),
             off,
             error: off,
@@ -59,7 +62,7 @@ fn interpolant(points: &[f64; POINTS], level: usize) -> Fit {
     let mut values: Values = *points.first_chunk().expect("nodes come first");
     let coefficients = LOBATTO.coefficients(&values, level);
     let interpolated = LOBATTO.interpolate(&values, level);
-    if level < FULL {
+    if level < FULL_LEVEL {
         let stride = DEGREE / DEGREES[level];
         for j in (0..NODES).filter(|j| !j.is_multiple_of(stride)) {
             values[j] = interpolated[j];
@@ -69,7 +72,7 @@ fn interpolant(points: &[f64; POINTS], level: usize) -> Fit {
     let misses = (NODES..POINTS).map(|k| (interpolated[k] - points[k]).abs());
     let misfit = misses.fold(0.0, f64::max);
     // The last coefficient and the checks can miss a jump 25 times their size; the tail as a whole does not.
-    let tail = match level == FULL && !decays(&coefficients) {
+    let tail = match level == FULL_LEVEL && !decays(&coefficients) {
         true => tail_squared(&coefficients).sqrt(),
         false => last,
     };
@@ -78,14 +81,18 @@ fn interpolant(points: &[f64; POINTS], level: usize) -> Fit {
         values,
         coefficients,
         off: tail.max(misfit),
-        error: OF_A_CHECK * misfit,
+        error: ERROR_OVER_CHECK * misfit,
     }
 }
 
 /// Sums of squares of coefficients at the beginning and at the end of the tail.
 #[inline(always)]
 pub(super) fn ends_of_tail(coefficients: &Values) -> [f64; 2] {
-    [SMOOTH..SMOOTH + 3, DEGREE - 2..DEGREE + 1].map(|range| {
+    [
+        FIRST_SMALL_COEFFICIENT..FIRST_SMALL_COEFFICIENT + 3,
+        DEGREE - 2..DEGREE + 1,
+    ]
+    .map(|range| {
         let part = &coefficients[range];
         part.iter().map(|a| a * a).sum()
     })
@@ -95,7 +102,7 @@ pub(super) fn ends_of_tail(coefficients: &Values) -> [f64; 2] {
 #[inline(always)]
 fn decays(coefficients: &Values) -> bool {
     let [early, late] = ends_of_tail(coefficients);
-    late < DECAYS * early
+    late < MIN_DECAY * early
 }
 
 /// The turning point of the interpolant, if it has one.

@@ -7,7 +7,7 @@
 //! digits instead of 11.9, and the loop of momentum-first Lagrange shapes of degree 3 is not closed (truth table).
 
 use super::examine::View;
-use super::limits::{AROUND, MOST_CROSSINGS};
+use super::limits::{MAX_CROSSINGS, REACH_AROUND_KNOWN_BREAK};
 use super::lobatto::{LOBATTO, evaluate};
 
 impl View<'_> {
@@ -16,7 +16,7 @@ impl View<'_> {
     pub fn around_crossings(&self) -> Vec<f64> {
         let spacing = self.coordinates.grid_spacing();
         let mut found = Vec::new();
-        if spacing <= 0.0 || self.piece.length() <= 4.0 * AROUND {
+        if spacing <= 0.0 || self.piece.length() <= 4.0 * REACH_AROUND_KNOWN_BREAK {
             return found;
         }
         let (dof, stages) = (self.coordinates.dof(), self.piece.image(0).stages());
@@ -31,7 +31,7 @@ impl View<'_> {
                     (fit.values.iter().zip(&fit.values[1..])).zip(LOBATTO.nodes.windows(2))
                 {
                     let [low, high] = [from.min(to), from.max(to)].map(|q| (q / spacing).floor());
-                    if high - low > MOST_CROSSINGS as f64 {
+                    if high - low > MAX_CROSSINGS as f64 {
                         return Vec::new();
                     }
                     for line in 1..=(high - low) as usize {
@@ -44,13 +44,13 @@ impl View<'_> {
             }
         }
         found.sort_by(f64::total_cmp);
-        found.dedup_by(|next, last| *next - *last < AROUND);
-        if found.len() > MOST_CROSSINGS {
+        found.dedup_by(|next, last| *next - *last < REACH_AROUND_KNOWN_BREAK);
+        if found.len() > MAX_CROSSINGS {
             return Vec::new();
         }
         found
             .iter()
-            .flat_map(|s| [s - AROUND, s + AROUND])
+            .flat_map(|s| [s - REACH_AROUND_KNOWN_BREAK, s + REACH_AROUND_KNOWN_BREAK])
             .collect()
     }
 

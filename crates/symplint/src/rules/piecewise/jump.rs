@@ -1,14 +1,14 @@
 //! A jump between two nodes of a piece.
 
 use super::curves::{CurvePoint, PointImage};
-use super::limits::{LARGE, SMOOTH, TERMS};
+use super::limits::{FIRST_SMALL_COEFFICIENT, MAX_NOISE, MAX_TERMS_OF_BREAK};
 use super::lobatto::{evaluate, polynomial};
 use super::piece::Piece;
 use super::scales::Scales;
 use crate::breaks::{
-    AROUND_A_ZONE, BETWEEN, Bracket, CONFIRMING, DISTANCES_AROUND, End, LOOKS, Progress, flickers,
-    interleaved, is_between_levels, keeps_its_levels, lands_on_a_level, lasting, scatter,
-    stands_out,
+    Bracket, CONFIRMING_STATES, DISTANCES_FROM_ZONE, End, Progress, STATES_AROUND_ZONE,
+    STATES_BETWEEN_ZONE_STATES, STATES_OF_LOOKS, flickers, interleaved, is_between_levels,
+    keeps_its_levels, lands_on_a_level, lasting, scatter, stands_out,
 };
 use crate::signal::nearest;
 use crate::state::{Coordinates, period};
@@ -28,7 +28,7 @@ pub(super) struct Jump {
     pub looks: usize,
     /// Images of the states round the zone in which the map may flicker, from each end outwards.
     around: [Vec<PointImage>; 2],
-    /// Which of [`DISTANCES_AROUND`] they have, if the map flickers next to it.
+    /// Which of [`DISTANCES_FROM_ZONE`] they have, if the map flickers next to it.
     zone: Option<usize>,
     confirmation: Confirmation,
     /// Whether states that were to confirm it are on both of its levels.
@@ -40,8 +40,8 @@ pub(super) struct Jump {
     /// A state nearby, from which coordinates are counted.
     reference: Vec<f64>,
     /// The function on the left, and what the right has more, over the piece.
-    left: [f64; SMOOTH],
-    step: [f64; TERMS],
+    left: [f64; FIRST_SMALL_COEFFICIENT],
+    step: [f64; MAX_TERMS_OF_BREAK],
     /// States that are granted for it.
     pub price: usize,
 }
@@ -59,7 +59,7 @@ enum Confirmation {
 }
 
 /// States that a jump may ask for next to it, and its ends displaced.
-const BESIDE: usize = 2 * CONFIRMING;
+const MAX_STATES_BESIDE_JUMP: usize = 2 * CONFIRMING_STATES;
 
 impl Jump {
     pub fn new(
@@ -67,14 +67,14 @@ impl Jump {
         gap: [f64; 2],
         ends: [PointImage; 2],
         (direction, reference): (Vec<f64>, Vec<f64>),
-        (left, step): ([f64; SMOOTH], [f64; TERMS]),
+        (left, step): ([f64; FIRST_SMALL_COEFFICIENT], [f64; MAX_TERMS_OF_BREAK]),
         expected: f64,
     ) -> Self {
         let bracket = Bracket::new(gap, expected);
         Jump {
             piece,
             gap,
-            price: bracket.most_halvings() + BESIDE,
+            price: bracket.most_halvings() + MAX_STATES_BESIDE_JUMP,
             bracket,
             beside: ends.map(|end| vec![end]),
             looks: 0,
@@ -142,7 +142,7 @@ impl Jump {
         [End::Low, End::High].into_iter().flat_map(move |end| {
             let known = self.beside[end as usize].len();
             let is_wanted = self.is_wanted();
-            let states: Vec<f64> = match self.zone.map(|k| DISTANCES_AROUND[k]) {
+            let states: Vec<f64> = match self.zone.map(|k| DISTANCES_FROM_ZONE[k]) {
                 None => (self.bracket.beside(end))
                     .take(self.beside_wanted())
                     .skip(known)
@@ -166,7 +166,7 @@ impl Jump {
     fn beside_wanted(&self) -> usize {
         match self.confirmation {
             Confirmation::Wanted(states) => states,
-            _ => LOOKS[self.looks],
+            _ => STATES_OF_LOOKS[self.looks],
         }
     }
 
@@ -181,8 +181,8 @@ impl Jump {
         let is_wanted = self.is_wanted();
         match self.zone {
             None => self.beside.iter().map(beside).sum::<usize>() + 2 * usize::from(is_wanted),
-            Some(_) if is_wanted => 2 * BETWEEN,
-            Some(_) => 2 * (AROUND_A_ZONE - 1),
+            Some(_) if is_wanted => 2 * STATES_BETWEEN_ZONE_STATES,
+            Some(_) => 2 * (STATES_AROUND_ZONE - 1),
         }
     }
 
@@ -198,8 +198,8 @@ impl Jump {
         let is_new = self.confirmation == Confirmation::None && !is_known;
         if is_new {
             self.confirmation = Confirmation::Wanted(match self.is_large(scales, coordinates) {
-                true => LOOKS[1],
-                false => CONFIRMING,
+                true => STATES_OF_LOOKS[1],
+                false => CONFIRMING_STATES,
             });
         }
         is_new
@@ -210,7 +210,7 @@ impl Jump {
         let sizes = self.sizes(coordinates).into_iter().enumerate();
         sizes
             .map(|(c, size)| scales.weight(c) * size)
-            .any(|part| part > LARGE)
+            .any(|part| part > MAX_NOISE)
     }
 
     /// Takes in more states on both sides, and the ends displaced.
@@ -284,8 +284,8 @@ impl Jump {
     pub fn look_around(&mut self) -> bool {
         let room = (self.bracket.low - self.piece.a).min(self.piece.b - self.bracket.high);
         let first = self.zone.map_or(0, |k| k + 1);
-        let fits = |k: &usize| (AROUND_A_ZONE - 1) as f64 * DISTANCES_AROUND[*k] <= room;
-        self.zone = (first..DISTANCES_AROUND.len()).find(fits);
+        let fits = |k: &usize| (STATES_AROUND_ZONE - 1) as f64 * DISTANCES_FROM_ZONE[*k] <= room;
+        self.zone = (first..DISTANCES_FROM_ZONE.len()).find(fits);
         self.zone.is_some()
     }
 
@@ -341,7 +341,7 @@ impl Jump {
             }
         } else if stands_out(jump, sides) && (large || no_step) {
             Judgement::Break
-        } else if self.looks < LOOKS.len() {
+        } else if self.looks < STATES_OF_LOOKS.len() {
             Judgement::LookAgain
         } else if large && flickers(jump, sides) {
             Judgement::Break

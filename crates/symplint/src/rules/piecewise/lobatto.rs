@@ -4,10 +4,10 @@ use std::sync::LazyLock;
 
 use multiversion::multiversion;
 
-use super::limits::{CHECKS, DEGREES, FULL, SMOOTH, TERMS};
+use super::limits::{CHECKS, DEGREES, FIRST_SMALL_COEFFICIENT, FULL_LEVEL, MAX_TERMS_OF_BREAK};
 
 /// The highest degree of the interpolants.
-pub(super) const DEGREE: usize = DEGREES[FULL];
+pub(super) const DEGREE: usize = DEGREES[FULL_LEVEL];
 
 /// Their nodes, both ends among them.
 pub(super) const NODES: usize = DEGREE + 1;
@@ -16,7 +16,7 @@ pub(super) const NODES: usize = DEGREE + 1;
 pub(super) const POINTS: usize = NODES + CHECKS.len();
 
 /// Number of the coefficients that are small on a smooth piece.
-const TAIL: usize = NODES - SMOOTH;
+const SMALL_COEFFICIENTS: usize = NODES - FIRST_SMALL_COEFFICIENT;
 
 /// Values at the nodes, or coefficients of the Chebyshev polynomials T_0 … T_12.
 pub(super) type Values = [f64; NODES];
@@ -41,14 +41,14 @@ pub(super) struct Lobatto {
     area: Columns,
     /// A break between nodes i and i + 1.
     pub gaps: [Gap; DEGREE],
-    /// The bases of the tails of all gaps, [`TERMS`] numbers for each gap: one column for each coefficient of a tail.
-    tails: [OfGaps; TAIL],
+    /// The bases of the tails of all gaps, [`MAX_TERMS_OF_BREAK`] numbers for each gap: one column for each coefficient of a tail.
+    tails: [OfGaps; SMALL_COEFFICIENTS],
 }
 
 /// Numbers for each term of each gap, filled up with zeros to whole vector registers.
-type OfGaps = [f64; OF_GAPS];
+type OfGaps = [f64; NUMBERS_OF_GAPS];
 
-const OF_GAPS: usize = (DEGREE * TERMS).next_multiple_of(LANES);
+const NUMBERS_OF_GAPS: usize = (DEGREE * MAX_TERMS_OF_BREAK).next_multiple_of(LANES);
 
 /// The one table of these.
 pub(super) static LOBATTO: LazyLock<Lobatto> = LazyLock::new(Lobatto::new);
@@ -80,7 +80,7 @@ impl Lobatto {
                 })
             })
         });
-        let transform: &[Values; NODES] = &transforms[FULL];
+        let transform: &[Values; NODES] = &transforms[FULL_LEVEL];
         // ∫ T_j T_k': T_k' is 2k times the sum of T_{k−1}, T_{k−3}, …, with T_0 halved.
         let product = |j: usize, k: usize| {
             let lower = (0..k).rev().step_by(2).map(|m| {
@@ -104,8 +104,11 @@ impl Lobatto {
         });
         let gaps = std::array::from_fn(|i| Gap::new(i, &nodes, transform));
         let tails = std::array::from_fn(|k| {
-            let mut column = [0.0; OF_GAPS];
-            for (numbers, gap) in column.chunks_mut(TERMS).zip(&gaps as &[Gap; DEGREE]) {
+            let mut column = [0.0; NUMBERS_OF_GAPS];
+            for (numbers, gap) in column
+                .chunks_mut(MAX_TERMS_OF_BREAK)
+                .zip(&gaps as &[Gap; DEGREE])
+            {
                 let entries = gap.basis.iter().map(|unit| unit[k]);
                 (numbers.iter_mut().zip(entries)).for_each(|(number, entry)| *number = entry);
             }
@@ -167,19 +170,27 @@ impl Lobatto {
 pub(super) fn explained<'a>(
     weighted: &mut dyn Iterator<Item = (f64, &'a Values)>,
 ) -> [f64; DEGREE] {
-    let mut sums = [0.0; OF_GAPS];
+    let mut sums = [0.0; NUMBERS_OF_GAPS];
     for (weight, coefficients) in weighted {
-        let mut along = [0.0; OF_GAPS];
-        for (column, a) in LOBATTO.tails.iter().zip(&coefficients[SMOOTH..]) {
-            for k in 0..OF_GAPS {
+        let mut along = [0.0; NUMBERS_OF_GAPS];
+        for (column, a) in LOBATTO
+            .tails
+            .iter()
+            .zip(&coefficients[FIRST_SMALL_COEFFICIENT..])
+        {
+            for k in 0..NUMBERS_OF_GAPS {
                 along[k] += column[k] * a;
             }
         }
-        for k in 0..OF_GAPS {
+        for k in 0..NUMBERS_OF_GAPS {
             sums[k] += weight * along[k] * along[k];
         }
     }
-    std::array::from_fn(|i| sums[i * TERMS..][..TERMS].iter().sum())
+    std::array::from_fn(|i| {
+        sums[i * MAX_TERMS_OF_BREAK..][..MAX_TERMS_OF_BREAK]
+            .iter()
+            .sum()
+    })
 }
 
 /// The columns of a matrix from its rows.
@@ -280,15 +291,15 @@ pub(super) struct Gap {
     /// Coefficients of (nothing, then x^l) for each term l.
     columns: Vec<Values>,
     /// An orthonormal basis of the tails of those.
-    basis: Vec<[f64; TAIL]>,
+    basis: Vec<[f64; SMALL_COEFFICIENTS]>,
     /// The tails in that basis: upper triangle, by columns.
-    triangle: [[f64; TERMS]; TERMS],
+    triangle: [[f64; MAX_TERMS_OF_BREAK]; MAX_TERMS_OF_BREAK],
 }
 
 impl Gap {
     fn new(left: usize, nodes: &Values, transform: &[Values; NODES]) -> Self {
         // No more terms than one of the sides has nodes to tell them apart.
-        let terms = TERMS.min(left + 1).min(DEGREE - left);
+        let terms = MAX_TERMS_OF_BREAK.min(left + 1).min(DEGREE - left);
         let mut gap = Gap {
             columns: Vec::new(),
             basis: Vec::new(),
@@ -303,7 +314,8 @@ impl Gap {
                 }
             });
             let column: Values = std::array::from_fn(|k| dot(&transform[k], &stepped));
-            let mut rest: [f64; TAIL] = std::array::from_fn(|k| column[SMOOTH + k]);
+            let mut rest: [f64; SMALL_COEFFICIENTS] =
+                std::array::from_fn(|k| column[FIRST_SMALL_COEFFICIENT + k]);
             // Twice is enough for an orthogonal basis.
             for _ in 0..2 {
                 for (row, unit) in gap.basis.iter().enumerate() {
@@ -327,9 +339,9 @@ impl Gap {
         self.basis.len()
     }
 
-    fn along(&self, coefficients: &Values) -> [f64; TERMS] {
-        let tail = &coefficients[SMOOTH..];
-        let mut along = [0.0; TERMS];
+    fn along(&self, coefficients: &Values) -> [f64; MAX_TERMS_OF_BREAK] {
+        let tail = &coefficients[FIRST_SMALL_COEFFICIENT..];
+        let mut along = [0.0; MAX_TERMS_OF_BREAK];
         for (along, unit) in along.iter_mut().zip(&self.basis) {
             *along = unit.iter().zip(tail).map(|(a, b)| a * b).sum();
         }
@@ -337,7 +349,7 @@ impl Gap {
     }
 
     /// The best D: its coefficients.
-    pub fn jump(&self, coefficients: &Values) -> [f64; TERMS] {
+    pub fn jump(&self, coefficients: &Values) -> [f64; MAX_TERMS_OF_BREAK] {
         let mut jump = self.along(coefficients);
         for l in (0..self.basis.len()).rev() {
             jump[l] /= self.triangle[l][l];
@@ -349,7 +361,11 @@ impl Gap {
     }
 
     /// The smooth part of the left side, when the right side has `jump` more.
-    pub fn left(&self, coefficients: &Values, jump: &[f64; TERMS]) -> [f64; SMOOTH] {
+    pub fn left(
+        &self,
+        coefficients: &Values,
+        jump: &[f64; MAX_TERMS_OF_BREAK],
+    ) -> [f64; FIRST_SMALL_COEFFICIENT] {
         std::array::from_fn(|k| {
             let stepped = self.columns.iter().zip(jump);
             coefficients[k] - stepped.map(|(column, d)| column[k] * d).sum::<f64>()
@@ -360,11 +376,14 @@ impl Gap {
 /// Sum of the squares of the tail.
 #[inline(always)]
 pub(super) fn tail_squared(coefficients: &Values) -> f64 {
-    coefficients[SMOOTH..].iter().map(|a| a * a).sum()
+    coefficients[FIRST_SMALL_COEFFICIENT..]
+        .iter()
+        .map(|a| a * a)
+        .sum()
 }
 
 /// D(x).
-pub(super) fn polynomial(terms: &[f64; TERMS], x: f64) -> f64 {
+pub(super) fn polynomial(terms: &[f64; MAX_TERMS_OF_BREAK], x: f64) -> f64 {
     terms.iter().rev().fold(0.0, |sum, d| sum * x + d)
 }
 
@@ -397,7 +416,7 @@ mod tests {
                 assert!(value.is_nan() || (evaluate(&a, *x) - value).abs() < 1e-14);
             }
         }
-        let slopes = derivative(&LOBATTO.coefficients(&values(f), FULL));
+        let slopes = derivative(&LOBATTO.coefficients(&values(f), FULL_LEVEL));
         for step in -10..=10 {
             let x = f64::from(step) / 10.0;
             assert!((evaluate(&slopes, x) - 2.0 * (2.0 * x).cos() - 1.0).abs() < 1e-6);
@@ -443,7 +462,7 @@ mod tests {
             let at = 0.3 * left + 0.7 * right;
             let jump = |x: f64| 0.2 + 0.1 * (x - at);
             let f = |x: f64| x.cos() + if x > at { jump(x) } else { 0.0 };
-            let a = LOBATTO.coefficients(&values(f), FULL);
+            let a = LOBATTO.coefficients(&values(f), FULL_LEVEL);
             let explained = explained(&mut std::iter::once((1.0, &a)));
             let best = (0..DEGREE).max_by(|&i, &j| explained[i].total_cmp(&explained[j]));
             let best = best.unwrap();

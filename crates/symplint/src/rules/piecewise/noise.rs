@@ -1,7 +1,9 @@
 //! The noise of a map on a stretch of a curve.
 
 use super::curves::{CurvePoint, PointImage};
-use super::limits::{NOISE_POINTS, NOISE_SITES, NOISE_SPACING, NOISE_SPACING_OF_PIECE, SAFETY};
+use super::limits::{
+    MARGIN_OF_NOISE, NOISE_POINTS, NOISE_SITES, NOISE_SPACING, NOISE_SPACING_OF_PIECE,
+};
 use crate::signal::nearest;
 use crate::signal::noise::SixthDifference;
 use crate::state::{Coordinates, period};
@@ -43,7 +45,7 @@ pub(super) fn allowance(images: &[PointImage], coordinates: &Coordinates) -> Vec
                 .map(of_site)
                 .collect();
             noise.sort_by(f64::total_cmp);
-            SAFETY * noise[NOISE_SITES.len() / 2]
+            MARGIN_OF_NOISE * noise[NOISE_SITES.len() / 2]
         })
         .collect()
 }

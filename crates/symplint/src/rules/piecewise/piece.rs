@@ -3,7 +3,9 @@
 use std::sync::Arc;
 
 use super::curves::{CurvePoint, PointImage};
-use super::limits::{BELOW_FULL, CHECKS, DEGREES, ESTIMATES, FULL, SHORTEST};
+use super::limits::{
+    CHECKS, DEGREES, FULL_LEVEL, MAX_STRAIGHT_LENGTH, SAMPLES_PER_ESTIMATE, TOLERANCE_BELOW_FULL,
+};
 use super::lobatto::{DEGREE, LOBATTO, NODES, POINTS};
 use super::scales::Scales;
 
@@ -32,7 +34,11 @@ impl Piece {
         let mut images = [const { None }; POINTS];
         let [first, last] = ends;
         (images[0], images[DEGREE]) = (first, last);
-        let level = if b - a < SHORTEST { FULL } else { level };
+        let level = if b - a < MAX_STRAIGHT_LENGTH {
+            FULL_LEVEL
+        } else {
+            level
+        };
         Piece {
             curve,
             a,
@@ -78,7 +84,11 @@ impl Piece {
 
     /// The allowed error of a coordinate: the tolerance, or the noise here.
     pub fn allowance(&self, c: usize, scales: &Scales) -> f64 {
-        let part = if self.level < FULL { BELOW_FULL } else { 1.0 };
+        let part = if self.level < FULL_LEVEL {
+            TOLERANCE_BELOW_FULL
+        } else {
+            1.0
+        };
         let noise = self.noise.as_ref().map_or(0.0, |noise| noise[c]);
         (part * scales.tolerance[c]).max(scales.noise[c]).max(noise)
     }
@@ -94,7 +104,7 @@ impl Piece {
 
     /// Whether it counts as a straight line.
     pub fn is_short(&self) -> bool {
-        self.length() < SHORTEST
+        self.length() < MAX_STRAIGHT_LENGTH
     }
 
     /// Parameter at x in [−1, 1]; the ends are met exactly.
@@ -177,7 +187,7 @@ pub(super) struct Smooth {
 #[derive(Clone)]
 pub(super) struct InterpolationMiss {
     /// Estimates of what the integral of the interpolants is off.
-    pub estimates: [f64; ESTIMATES],
+    pub estimates: [f64; SAMPLES_PER_ESTIMATE],
     /// The integral that the piece may hide if a jump is all that they miss.
     pub jump: f64,
 }

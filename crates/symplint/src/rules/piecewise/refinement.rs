@@ -5,13 +5,15 @@ use std::sync::Arc;
 use super::curves::{CurvePoint, Curves, PointImage};
 use super::examine::{Finding, TurningPoints, View, Why};
 use super::jump::{Judgement, Jump};
-use super::limits::{ELSEWHERE, LARGE, NOISE_LENGTH, SAFETY, SMALL};
+use super::limits::{
+    MARGIN_BETWEEN_POINTS, MARGIN_OF_NOISE, MAX_JUMP_OF_GRID, MAX_LENGTH_OF_NOISE, MAX_NOISE,
+};
 use super::lobatto::{DEGREE, POINTS};
 use super::noise;
 use super::piece::{Piece, Smooth};
 use super::scales::Scales;
-use super::task::{OF_A_BREAK, Outcome, Task, Unchanged, looks};
-use crate::breaks::{Break, Progress, REACH_BESIDE, uncertainty_of_position};
+use super::task::{EVALUATIONS_OF_BREAK, Outcome, Task, Unchanged, looks};
+use crate::breaks::{Break, Progress, REACH_OF_CONFIRMATION, uncertainty_of_position};
 use crate::error::Error;
 use crate::signal::nearest;
 use crate::state::{Coordinates, Ensemble, SMALL_MEMORY, in_parallel, period};
@@ -98,7 +100,7 @@ impl CurveBreak {
             let size = size(i);
             if size > most.1 { (i, size) } else { most }
         });
-        let compared = match of_solver || size(most) < LARGE {
+        let compared = match of_solver || size(most) < MAX_NOISE {
             true => size(most),
             false => 1.0,
         };
@@ -185,7 +187,7 @@ impl<'a> Refinement<'a> {
         substep: usize,
         tasks: &mut Vec<Task>,
     ) -> Result<(), Error> {
-        let small = |task: &Task| matches!(task, Task::Confirm(jump) if jump.bracket.expected().sqrt() < SMALL);
+        let small = |task: &Task| matches!(task, Task::Confirm(jump) if jump.bracket.expected().sqrt() < MAX_JUMP_OF_GRID);
         if batch.iter().any(small) {
             self.learn_noise()?;
         }
@@ -226,7 +228,7 @@ impl<'a> Refinement<'a> {
 
     /// Grants what comes next, if it may be made.
     fn admit(&mut self, outcome: &Outcome) -> bool {
-        let of_break = outcome.found.as_ref().map_or(0, |_| OF_A_BREAK);
+        let of_break = outcome.found.as_ref().map_or(0, |_| EVALUATIONS_OF_BREAK);
         let next = outcome.next.iter().map(Task::price).sum::<usize>();
         self.budget.grant(of_break + next)
     }
@@ -360,7 +362,7 @@ impl<'a> Refinement<'a> {
                     sides,
                     images,
                     // The rounding of a state far from the origin is enough to make it.
-                    flickers: jump.flickers() && self.scales.input_rounding < REACH_BESIDE,
+                    flickers: jump.flickers() && self.scales.input_rounding < REACH_OF_CONFIRMATION,
                     uncertainty: 0.0,
                     substep: None,
                 });
@@ -369,7 +371,7 @@ impl<'a> Refinement<'a> {
             }
             Judgement::Noise | Judgement::LookAgain | Judgement::LookAround => {
                 let noise = jump.noise(self.coordinates).into_iter();
-                let allowance: Arc<[f64]> = noise.map(|noise| SAFETY * noise).collect();
+                let allowance: Arc<[f64]> = noise.map(|noise| MARGIN_OF_NOISE * noise).collect();
                 let mut parts = piece.cut(&jump.gap);
                 for part in parts.iter_mut().filter(|part| part.lies_in(&jump.gap)) {
                     part.noise = Some(allowance.clone());
@@ -415,7 +417,7 @@ impl<'a> Refinement<'a> {
             Finding::TooShort => Outcome::done(view.integrate(false)),
             Finding::Jump(jump) => Outcome::then(vec![Task::Halve(jump)], Unchanged::Piece(piece)),
             Finding::Cut { at, why } => {
-                let noisy = why != Why::Explained && piece.length() < NOISE_LENGTH;
+                let noisy = why != Why::Explained && piece.length() < MAX_LENGTH_OF_NOISE;
                 if noisy && self.noise_known && why == Why::Unexplained {
                     let task = Task::EstimateNoise(piece.clone());
                     return Outcome::then(vec![task], Unchanged::Piece(piece));
@@ -451,7 +453,7 @@ impl<'a> Refinement<'a> {
             let misses = expected.iter().enumerate().any(|(c, expected)| {
                 let value = image.after()[c];
                 let off = nearest(value - expected, period(self.coordinates, c));
-                off.abs() > ELSEWHERE * turning.allowed[c]
+                off.abs() > MARGIN_BETWEEN_POINTS * turning.allowed[c]
             });
             if misses {
                 return Outcome::then(looks(piece.cut(&[*s])), Unchanged::Smooth(smooth));

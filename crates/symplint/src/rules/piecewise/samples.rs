@@ -4,7 +4,7 @@ use multiversion::multiversion;
 
 use super::examine::View;
 use super::fit::Fit;
-use super::limits::{ELSEWHERE, ESTIMATES, OF_A_MISS};
+use super::limits::{MARGIN_BETWEEN_POINTS, MIN_JUMP_OVER_MISS, SAMPLES_PER_ESTIMATE};
 use super::lobatto::{Values, derivative, evaluate_each};
 use super::piece::InterpolationMiss;
 use crate::signal::{Extent, LANES, nearest};
@@ -65,7 +65,7 @@ pub(super) fn missed_sample(view: &View<'_>) -> Option<f64> {
     let inside = Inside::of(view)?;
     let all = inside.x.len();
     let first = view.fits.iter().enumerate().fold(all, |first, (c, fit)| {
-        let most = ELSEWHERE * view.allowed(c, fit);
+        let most = MARGIN_BETWEEN_POINTS * view.allowed(c, fit);
         let misses = inside.misses(c, fit, first);
         let is_off = |off: &f64| off.abs() > most;
         misses.iter().position(is_off).unwrap_or(first)
@@ -75,16 +75,16 @@ pub(super) fn missed_sample(view: &View<'_>) -> Option<f64> {
 }
 
 /// ∫ (δp dq − δq dp) over the piece, where δq and δp are what the interpolants miss the loop by, by the trapezoidal rule on
-/// every `ESTIMATES`-th sample: the error of the interpolated integral to first order, as δq vanishes at both ends. A jump
+/// every `SAMPLES_PER_ESTIMATE`-th sample: the error of the interpolated integral to first order, as δq vanishes at both ends. A jump
 /// of q is not a part of the integral, but of the integral of the interpolant.
 pub(super) fn missed(view: &View<'_>) -> Option<InterpolationMiss> {
     let inside = Inside::of(view)?;
     let all = inside.x.len();
-    if all < ESTIMATES {
+    if all < SAMPLES_PER_ESTIMATE {
         return None;
     }
     let dof = view.dof();
-    let mut estimates = [0.0; ESTIMATES];
+    let mut estimates = [0.0; SAMPLES_PER_ESTIMATE];
     let mut jump = 0.0;
     for i in 0..dof {
         let (q, p) = (&view.fits[i], &view.fits[dof + i]);
@@ -95,14 +95,14 @@ pub(super) fn missed(view: &View<'_>) -> Option<InterpolationMiss> {
         for k in 0..all {
             largest = largest.max(of_q[k].abs());
             let part = of_p[k] * dq[k] - of_q[k] * dp[k];
-            estimates[(inside.first + k) % ESTIMATES] += weight * part;
+            estimates[(inside.first + k) % SAMPLES_PER_ESTIMATE] += weight * part;
         }
         // The noise of the map makes no jumps.
-        let size = OF_A_MISS * (largest - view.scales.noise[i]).max(0.0);
+        let size = MIN_JUMP_OVER_MISS * (largest - view.scales.noise[i]).max(0.0);
         jump += weight.abs() * size * Extent::of(&p.values).magnitude();
     }
     // From the derivative by x to that by s, and from sums to means.
-    let spacing = ESTIMATES as f64 / inside.advanced.samples() as f64;
+    let spacing = SAMPLES_PER_ESTIMATE as f64 / inside.advanced.samples() as f64;
     let of_spacing = spacing * 2.0 / view.piece.length();
     Some(InterpolationMiss {
         estimates: estimates.map(|sum| sum * of_spacing),

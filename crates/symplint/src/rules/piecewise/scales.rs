@@ -1,7 +1,7 @@
 //! How large and how exact each coordinate is.
 
 use super::curves::PointImage;
-use super::limits::{GRAINS, ROUNDING, SMALLEST, SMALLEST_PART};
+use super::limits::{MAX_ERROR_IN_GRAINS, MIN_PART_OF_LARGEST, MIN_SIZE, ROUNDING_OF_OPERATIONS};
 use crate::map::Grain;
 use crate::signal::{Extent, unwrap_row};
 use crate::state::{Coordinates, period};
@@ -45,22 +45,22 @@ impl Scales {
         for (sizes, magnitudes) in kinds.zip(magnitude.chunks_exact(dof.max(1))) {
             let largest = Extent::of(sizes).magnitude();
             for (size, magnitude) in sizes.iter_mut().zip(magnitudes) {
-                let least = (SMALLEST_PART * largest).max(ROUNDING * magnitude);
-                *size = size.max(least).max(SMALLEST);
+                let least = (MIN_PART_OF_LARGEST * largest).max(ROUNDING_OF_OPERATIONS * magnitude);
+                *size = size.max(least).max(MIN_SIZE);
             }
         }
         let sizes = || size.iter().zip(&magnitude);
         Scales {
             tolerance: sizes()
-                .map(|(size, magnitude)| tolerance * size + ROUNDING * magnitude)
+                .map(|(size, magnitude)| tolerance * size + ROUNDING_OF_OPERATIONS * magnitude)
                 .collect(),
             noise: (0..2 * dof)
-                .map(|c| GRAINS * grain.map_or(0.0, |grain| grain.of_coordinate(c)))
+                .map(|c| MAX_ERROR_IN_GRAINS * grain.map_or(0.0, |grain| grain.of_coordinate(c)))
                 .collect(),
             grain: grain.cloned(),
             p_reference: images[0].after()[dof..].to_vec(),
-            input_rounding: sizes().fold(ROUNDING, |most: f64, (size, magnitude)| {
-                most.max(ROUNDING * magnitude / size)
+            input_rounding: sizes().fold(ROUNDING_OF_OPERATIONS, |most: f64, (size, magnitude)| {
+                most.max(ROUNDING_OF_OPERATIONS * magnitude / size)
             }),
             size,
             magnitude,

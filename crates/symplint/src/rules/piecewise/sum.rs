@@ -2,7 +2,9 @@
 
 use super::PiecewiseIntegral;
 use super::closure::Closing;
-use super::limits::{ESTIMATES, NEIGHBOURS, OF_AN_ESTIMATE, OF_NOISE};
+use super::limits::{
+    ERROR_OVER_ESTIMATE, MAX_DISTANCE_OF_NEIGHBOURS, MIN_BREAK_OVER_NOISE, SAMPLES_PER_ESTIMATE,
+};
 use super::piece::Smooth;
 use super::refinement::Refinement;
 use super::under_resolved::{beside_samples, under_resolved};
@@ -81,7 +83,7 @@ struct Errors {
 impl Errors {
     fn of(refinement: &Refinement<'_>, smooth: &[&Smooth]) -> Self {
         let (mut error, mut exposure, mut scale) = (under_resolved(refinement), 0.0, 0.0);
-        let mut missed = [0.0; ESTIMATES];
+        let mut missed = [0.0; SAMPLES_PER_ESTIMATE];
         for piece in smooth {
             match piece.missed.as_ref().filter(|_| piece.resolved) {
                 Some(of_piece) => {
@@ -94,7 +96,7 @@ impl Errors {
             exposure += piece.exposure;
             scale += piece.areas.iter().map(|area| area.abs()).sum::<f64>();
         }
-        error += OF_AN_ESTIMATE * missed.into_iter().map(f64::abs).fold(0.0, f64::max);
+        error += ERROR_OVER_ESTIMATE * missed.into_iter().map(f64::abs).fold(0.0, f64::max);
         // Neighbours share the state between them: noise takes from one what it adds to the other.
         let is_noisy = |piece: &Smooth| piece.error_of_noise > 0.0;
         for run in smooth.chunk_by(|x, y| is_noisy(x) && is_noisy(y) && x.b == y.a) {
@@ -206,7 +208,7 @@ impl BreaksOfLoop {
         let is_substantial = |found: &Break| {
             let range = |c: usize| 2.0 * scales.size[c];
             let [q, p] = [found.dof, dof + found.dof];
-            let exceeds = |jump: f64, c: usize| jump.abs() > OF_NOISE * noise[c];
+            let exceeds = |jump: f64, c: usize| jump.abs() > MIN_BREAK_OVER_NOISE * noise[c];
             found.is_substantial([range(q), range(p)])
                 && (!is_noisy || exceeds(found.jump_q, q) || exceeds(found.jump_p, p))
         };
@@ -232,7 +234,7 @@ impl BreaksOfLoop {
         breaks.sort_by(|a: &Break, b| a.s.total_cmp(&b.s));
         // A force that has a separate value where it jumps breaks the loop twice round one double.
         breaks.dedup_by(|next, found| {
-            let one = next.dof == found.dof && next.s - found.s < NEIGHBOURS;
+            let one = next.dof == found.dof && next.s - found.s < MAX_DISTANCE_OF_NEIGHBOURS;
             if one {
                 found.jump_q += next.jump_q;
                 found.jump_p += next.jump_p;

@@ -8,13 +8,13 @@ use super::piece::{Piece, Smooth};
 use super::refinement::CurveBreak;
 
 /// States of a closing segment whose ends are known, if it is straight: inner nodes and checks.
-const OF_A_SEGMENT: usize = 4;
+const EVALUATIONS_OF_SEGMENT: usize = 4;
 
 /// States that tell how well the position of a break is known.
-const OF_A_POSITION: usize = 2;
+const EVALUATIONS_OF_POSITION: usize = 2;
 
 /// The cost of a break after it was found.
-pub(super) const OF_A_BREAK: usize = OF_A_SEGMENT + OF_A_POSITION;
+pub(super) const EVALUATIONS_OF_BREAK: usize = EVALUATIONS_OF_SEGMENT + EVALUATIONS_OF_POSITION;
 
 /// One thing to do.
 pub(super) enum Task {

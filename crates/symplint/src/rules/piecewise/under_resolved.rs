@@ -12,7 +12,9 @@
 //! Without this, bumps next to a kink and narrow jumps of which one is missed are called not symplectic (tests in
 //! `traps/under_resolved.rs`).
 
-use super::limits::{CALM, NEIGHBOURING_SAMPLES, OF_SPIKES, WIDEST_FEATURE};
+use super::limits::{
+    MAX_EXPONENT_OF_SPIKES, MAX_WIDTH_OF_FEATURE, MIN_LENGTH_OF_CALM_PIECE, NEIGHBOURING_SAMPLES,
+};
 use super::lobatto::{LOBATTO, NODES, Values};
 use super::piece::Smooth;
 use super::refinement::Refinement;
@@ -22,7 +24,7 @@ use crate::signal::{Barycentric, Extent, nearest};
 use crate::state::{Ensemble, coordinate, in_parallel, period};
 
 /// Operations for one degree of freedom of a stretch: five polynomials through a dozen samples, at the nodes of a piece.
-const NUMBERS_OF_A_STRETCH: usize = 1 << 10;
+const OPERATIONS_OF_STRETCH: usize = 1 << 10;
 
 /// A stretch of short pieces between two long ones.
 struct Stretch<'a> {
@@ -78,7 +80,7 @@ pub(super) fn under_resolved(refinement: &Refinement<'_>) -> f64 {
         return 0.0;
     };
     let count = samples.samples() as f64;
-    let is_calm = |piece: &Smooth| (piece.b - piece.a) * count >= CALM;
+    let is_calm = |piece: &Smooth| (piece.b - piece.a) * count >= MIN_LENGTH_OF_CALM_PIECE;
     let of_loop = refinement.smooth.iter().filter(|piece| piece.curve == 0);
     let mut pieces: Vec<&Smooth> = of_loop.collect();
     pieces.sort_by(|x, y| x.a.total_cmp(&y.a));
@@ -100,13 +102,13 @@ pub(super) fn under_resolved(refinement: &Refinement<'_>) -> f64 {
     let (mut net, mut error) = (0.0, 0.0);
     for k in (0..runs.len()).step_by(2) {
         let [left, right] = [ends(k), ends(k + 2)];
-        if (right[0] - left[1]) * count > WIDEST_FEATURE {
+        if (right[0] - left[1]) * count > MAX_WIDTH_OF_FEATURE {
             continue;
         }
         let (ends, beside) = ([left[1], right[0]], beside(left, right, count));
         let stretch = Stretch::new(refinement, samples, runs[k + 1], ends, &beside);
         let dof = refinement.coordinates.dof();
-        let of_dofs = in_parallel(0..dof, NUMBERS_OF_A_STRETCH, |i| stretch.excess(i));
+        let of_dofs = in_parallel(0..dof, OPERATIONS_OF_STRETCH, |i| stretch.excess(i));
         for (area, uncertainty) in of_dofs {
             if area.abs() > uncertainty {
                 net += area;
@@ -227,7 +229,9 @@ pub(super) fn beside_samples(
     };
     let rule = Rule::Pseudospectral;
     let of_samples = LoopIntegral::in_coordinates(samples, &rule, refinement.coordinates)?;
-    let spiky = of_samples.regularity.is_some_and(|s| s < OF_SPIKES);
+    let spiky = of_samples
+        .regularity
+        .is_some_and(|s| s < MAX_EXPONENT_OF_SPIKES);
     let apart = (of_samples.quadrature_error).map(|error| (of_samples.value - value).abs() + error);
     let error = match (spiky && !broken, refinement.breaks.is_empty()) {
         (true, _) => apart.map(|apart| error.max(apart)),

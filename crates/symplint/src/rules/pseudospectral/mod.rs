@@ -114,28 +114,28 @@ fn noise_of_mode(samples: usize, scaling: &Scaling) -> f64 {
 }
 
 /// Sobolev exponents of functions that jump: ½ by theory. Noise has −½, kinks have 3/2.
-const JUMPING: Range<f64> = 0.25..1.0;
+const EXPONENTS_OF_JUMPS: Range<f64> = 0.25..1.0;
 
 /// Jumps of this part of the size of a coordinate, taken together, are too small to be followed: they bound the digits alone.
-const NOT_FOLLOWED: f64 = 1e-10;
+const MAX_IGNORED_JUMPS: f64 = 1e-10;
 
 /// Whether the Sobolev exponent that an octave and the one before tell is that of jumps of this `size`. Larger ones are followed where
 /// samples show them, and states may have a noise under which kinks look like jumps. For those too small to be followed, besides which
 /// there is the rounding of double precision alone, it need only be nearer to that of jumps than to that of noise, by how much that
 /// scatters.
 fn looks_like_jumps(exponent: f64, octave: usize, size: f64) -> bool {
-    match size < NOT_FOLLOWED {
+    match size < MAX_IGNORED_JUMPS {
         true => ((-0.5 + 3.0 * scatter(octave, 3.0)).max(0.0)..1.25).contains(&exponent),
-        false => JUMPING.contains(&exponent),
+        false => EXPONENTS_OF_JUMPS.contains(&exponent),
     }
 }
 
 /// The uncertainty that jumps make, in units of the largest momentum times the root of the sum of their squares: that of
 /// thirty-six equal ones that all add up.
-const OF_JUMPS: f64 = 6.0;
+const ERROR_OVER_JUMPS: f64 = 6.0;
 
 /// Jumps of this part of the size of a coordinate are searched for between the samples, and are not part of an error.
-const LITTLE: f64 = 1e-3;
+const MAX_JUMPS_IN_ERROR: f64 = 1e-3;
 
 /// By how much an exponent scatters that is a difference of the logarithms of the energies of octaves: those of the modes of each
 /// add up to 3 times those of the highest `octave` if it is of two octaves, and the difference of two such exponents has 13. (An energy of
@@ -145,10 +145,10 @@ fn scatter(octave: usize, variance: f64) -> f64 {
 }
 
 /// From one octave to the next the Sobolev exponent of jumps stays, or falls to theirs, but for how much it scatters; the exponent of a
-/// smooth feature as narrow as the samples are apart grows. Derived: from ¼ to 1, those of [`JUMPING`], by 0.36 or more if its modes fall
+/// smooth feature as narrow as the samples are apart grows. Derived: from ¼ to 1, those of [`EXPONENTS_OF_JUMPS`], by 0.36 or more if its modes fall
 /// exponentially, and by 0.56 or more if they fall as for a Gaussian. So does the exponent of two jumps that are near each other,
 /// which are followed if they are large enough.
-const GROWTH_OF_A_FEATURE: f64 = 0.3;
+const MIN_GROWTH_OF_FEATURE: f64 = 0.3;
 
 /// √(Σ J²) of the jumps J of a function from the energy Σ |c_k|² of its octave `first` ≤ k < 2 `first`: far up, c_k is a sum
 /// of J/(2πik), each with its own phase, and Σ 1/k² over an octave is about 1/(2 first).
@@ -164,7 +164,7 @@ fn last_clear(energies: &[f64], noise: f64) -> Option<usize> {
 }
 
 /// Octaves of modes that a transform may have.
-const MOST_OCTAVES: usize = usize::BITS as usize;
+const MAX_OCTAVES: usize = usize::BITS as usize;
 
 /// ∮ p dq from the transform of q + i p, which it uses up. What q gains in one turn, `gain`, was taken off it.
 fn integral(z: &mut [Complex64], [of_q, of_p]: &[Scaling; 2], gain: f64) -> RowIntegral {
@@ -179,7 +179,7 @@ fn integral(z: &mut [Complex64], [of_q, of_p]: &[Scaling; 2], gain: f64) -> RowI
     let upper = top + Sums::over(z, modes / 2..top_start);
     let octaves = (modes / 2).ilog2() as usize;
     let mut all = upper + Sums::over(z, 1 << octaves..modes / 2);
-    let [mut q_energies, mut p_energies] = [[0.0; MOST_OCTAVES]; 2];
+    let [mut q_energies, mut p_energies] = [[0.0; MAX_OCTAVES]; 2];
     for j in (0..octaves).rev() {
         let octave = Sums::over(z, 1 << j..2 << j);
         (q_energies[j], p_energies[j]) = (octave.q_power, octave.p_power);
@@ -206,12 +206,12 @@ fn integral(z: &mut [Complex64], [of_q, of_p]: &[Scaling; 2], gain: f64) -> RowI
         Some(last) if last > 0 => {
             let exponent = |j: usize| 0.5 * (q_energies[j - 1] / q_energies[j]).log2();
             let size = jump_size(1 << last, q_energies[last] / (n * n));
-            let grows = |growth: f64| growth > GROWTH_OF_A_FEATURE.max(3.0 * scatter(last, 13.0));
+            let grows = |growth: f64| growth > MIN_GROWTH_OF_FEATURE.max(3.0 * scatter(last, 13.0));
             let is_feature =
-                size > NOT_FOLLOWED && last > 1 && grows(exponent(last) - exponent(last - 1));
+                size > MAX_IGNORED_JUMPS && last > 1 && grows(exponent(last) - exponent(last - 1));
             let is_jump = looks_like_jumps(exponent(last), last, size) && !is_feature;
-            match size < LITTLE && is_jump {
-                true => OF_JUMPS * of_p.largest * of_q.unit * size,
+            match size < MAX_JUMPS_IN_ERROR && is_jump {
+                true => ERROR_OVER_JUMPS * of_p.largest * of_q.unit * size,
                 false => 0.0,
             }
         }

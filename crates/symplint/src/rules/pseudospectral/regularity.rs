@@ -5,7 +5,7 @@
 //! kink 3/2, a jump of the second derivative 5/2, and an analytic loop more than any number.
 
 /// Octaves that a slope is fitted to: the highest that stand clear of round-off.
-const FITTED: usize = 4;
+const FITTED_OCTAVES: usize = 4;
 
 /// The Sobolev exponent s of one coordinate, from the energies Σ |c_k|² of its octaves, k from 1;
 /// `None` where there are fewer than three, or the coordinate is at rest.
@@ -33,7 +33,7 @@ pub(super) fn sobolev_exponent(energies: &[f64], noise: f64) -> Option<f64> {
     // The noise of the map may end the fall above round-off.
     let rising = |j: usize| levels[j] > levels[j - 1];
     let plateau = (1..clear).rev().take_while(|&j| rising(j)).count();
-    let end = match plateau < FITTED - 1 {
+    let end = match plateau < FITTED_OCTAVES - 1 {
         true => clear - plateau,
         false => clear,
     };
@@ -44,7 +44,7 @@ pub(super) fn sobolev_exponent(energies: &[f64], noise: f64) -> Option<f64> {
     let fitted = if end < octaves {
         &levels[..end]
     } else {
-        &levels[end - FITTED.min(end)..end]
+        &levels[end - FITTED_OCTAVES.min(end)..end]
     };
     Some(-slope(fitted))
 }

@@ -54,9 +54,9 @@ impl Sums {
         // Of twice Q_k and P_k.
         Sums {
             value: 0.25 * value,
-            scale: 0.25 * OUTWARDS * OUTWARDS * scale,
-            q_slope: 0.5 * OUTWARDS * q_slope,
-            p_slope: 0.5 * OUTWARDS * p_slope,
+            scale: 0.25 * OUTER_OVER_INNER_OCTAGON * OUTER_OVER_INNER_OCTAGON * scale,
+            q_slope: 0.5 * OUTER_OVER_INNER_OCTAGON * q_slope,
+            p_slope: 0.5 * OUTER_OVER_INNER_OCTAGON * p_slope,
             q_slope_squared: 0.25 * q_slope_squared,
             p_slope_squared: 0.25 * p_slope_squared,
             q_power: 0.25 * q_power,
@@ -182,9 +182,9 @@ fn area(q: Complex64, p: Complex64) -> f64 {
 }
 
 /// 1/cos(π/8): from an octagon in a circle to the one round it.
-const OUTWARDS: f64 = 1.082_392_200_292_394;
+const OUTER_OVER_INNER_OCTAGON: f64 = 1.082_392_200_292_394;
 
-/// |z| within a factor of [`OUTWARDS`], from below: the gauge of the regular octagon round the unit circle.
+/// |z| within a factor of [`OUTER_OVER_INNER_OCTAGON`], from below: the gauge of the regular octagon round the unit circle.
 ///
 /// Without a root, which would take longer than all else that is done to a mode.
 #[inline(always)]
@@ -294,7 +294,8 @@ mod tests {
     #[test]
     fn the_bound_on_a_modulus_is_tight_to_nine_per_cent() {
         for degree in 0..360 {
-            let bound = OUTWARDS * octagon(Complex64::cis(f64::from(degree).to_radians()));
+            let bound =
+                OUTER_OVER_INNER_OCTAGON * octagon(Complex64::cis(f64::from(degree).to_radians()));
             assert!((1.0 - 1e-15..1.0824).contains(&bound), "{degree}: {bound}");
         }
     }

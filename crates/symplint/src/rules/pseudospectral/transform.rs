@@ -9,7 +9,7 @@ use symplint_fft::Fft;
 pub(super) type Transform = Arc<dyn Fft<f64>>;
 
 /// Plans that are kept at most: those of long odd lengths take megabytes.
-const MOST_PLANS: usize = 64;
+const MAX_PLANS: usize = 64;
 
 /// Planning takes longer than a transform, and the same few lengths come again and again.
 static PLANS: LazyLock<Mutex<HashMap<usize, Transform>>> = LazyLock::new(Mutex::default);
@@ -17,7 +17,7 @@ static PLANS: LazyLock<Mutex<HashMap<usize, Transform>>> = LazyLock::new(Mutex::
 /// The transform of `samples` samples.
 pub(super) fn transform(samples: usize) -> Transform {
     let mut plans = PLANS.lock().unwrap_or_else(PoisonError::into_inner);
-    if plans.len() >= MOST_PLANS && !plans.contains_key(&samples) {
+    if plans.len() >= MAX_PLANS && !plans.contains_key(&samples) {
         plans.clear();
     }
     let plan = || symplint_fft::forward(samples);
@@ -51,9 +51,9 @@ mod tests {
 
     #[test]
     fn plans_of_few_lengths_are_kept() {
-        for samples in 3000..3000 + 3 * MOST_PLANS {
+        for samples in 3000..3000 + 3 * MAX_PLANS {
             assert_eq!(transform(samples).len(), samples);
-            assert!(PLANS.lock().unwrap().len() <= MOST_PLANS);
+            assert!(PLANS.lock().unwrap().len() <= MAX_PLANS);
         }
     }
 }

@@ -18,7 +18,7 @@ use crate::rules::{
 };
 use crate::signal::CompensatedSum;
 use crate::state::Coordinates;
-use row::{Row, WIDEST};
+use row::{MAX_HALF_WIDTH, Row};
 use window::{Source, Window};
 
 /// The streaming rule: a centred difference of order 2m along the loop, in the memory of a few dozen states.
@@ -76,10 +76,10 @@ pub struct StreamingIntegral {
 
 impl Streaming {
     /// The fewest neighbours on either side.
-    pub const NARROWEST: usize = 8;
+    pub const MIN_HALF_WIDTH: usize = 8;
 
     /// The most neighbours on either side.
-    pub const WIDEST: usize = WIDEST;
+    pub const MAX_HALF_WIDTH: usize = MAX_HALF_WIDTH;
 
     /// Integrates the loop that `map` makes of `phase_loop` in one step of size `h`, from `samples` samples.
     ///
@@ -207,7 +207,7 @@ impl Streaming {
     }
 
     fn check(&self, samples: usize) -> Result<(), Error> {
-        if !(Self::NARROWEST..=Self::WIDEST).contains(&self.half_width) {
+        if !(Self::MIN_HALF_WIDTH..=Self::MAX_HALF_WIDTH).contains(&self.half_width) {
             return Err(Error::OutOfRange {
                 what: "half width of the streaming rule's stencil",
                 value: self.half_width as f64,

@@ -1,14 +1,14 @@
 //! One degree of freedom: what is kept of it while its samples pass by.
 
 use crate::breaks::{Coordinate, GROUP, REACH, Residuals, Suspect, Window};
-use crate::rules::stencil::{FOLDED, Stencil};
+use crate::rules::stencil::{ALIASING_FACTOR, Stencil};
 use crate::signal::{CompensatedSum, Extent, UNIT_ROUNDOFF};
 
 /// Half widths of a stencil at most.
-pub(super) const WIDEST: usize = 16;
+pub(super) const MAX_HALF_WIDTH: usize = 16;
 
 /// A group of samples and what comes before it.
-type Span = [f64; WIDEST + GROUP];
+type Span = [f64; MAX_HALF_WIDTH + GROUP];
 
 /// One value for each sample of a group.
 type Lanes = [f64; GROUP];
@@ -85,9 +85,9 @@ impl Row {
             let end = (start + GROUP).min(q.len());
             let span = |row: &[f64], first: f64| {
                 // Beyond the last sample it stands still.
-                let mut span = [row[end - 1] - first; WIDEST + GROUP];
+                let mut span = [row[end - 1] - first; MAX_HALF_WIDTH + GROUP];
                 let row = &row[start - old..end];
-                for (to, from) in span[WIDEST - old..].iter_mut().zip(row) {
+                for (to, from) in span[MAX_HALF_WIDTH - old..].iter_mut().zip(row) {
                     *to = from - first;
                 }
                 span
@@ -99,7 +99,7 @@ impl Row {
         furthest
     }
 
-    /// Adds `count` samples, counted from the first of the loop, that begin at `WIDEST` with sample `next`.
+    /// Adds `count` samples, counted from the first of the loop, that begin at `MAX_HALF_WIDTH` with sample `next`.
     ///
     /// Σ_k p_k (D q)_k = Σ_n Σ_j c_j (p_{n−j} q_n − q_{n−j} p_n) round the loop: in this form no sample needs
     /// its successors. The differences p_{n−j} − p_n and q_{n−j} − q_n, which give the same sum, keep the
@@ -116,13 +116,16 @@ impl Row {
         let (mut terms, mut sizes, mut squares) = ([0.0; GROUP], [0.0; GROUP], [0.0; GROUP]);
         let mut steps = [0.0; GROUP];
         for k in 0..GROUP {
-            let (of_q, of_p) = (q[WIDEST + k] * p_slope[k], p[WIDEST + k] * q_slope[k]);
+            let (of_q, of_p) = (
+                q[MAX_HALF_WIDTH + k] * p_slope[k],
+                p[MAX_HALF_WIDTH + k] * q_slope[k],
+            );
             terms[k] = of_q - of_p;
             sizes[k] = of_q.abs() + of_p.abs();
-            let q_noise = 2.0 * (self.q.first + q[WIDEST + k]) * p_slope[k];
-            let p_noise = 2.0 * (self.p.first + p[WIDEST + k]) * q_slope[k];
+            let q_noise = 2.0 * (self.q.first + q[MAX_HALF_WIDTH + k]) * p_slope[k];
+            let p_noise = 2.0 * (self.p.first + p[MAX_HALF_WIDTH + k]) * q_slope[k];
             squares[k] = q_noise * q_noise + p_noise * p_noise;
-            steps[k] = (q[WIDEST + k] - q[WIDEST + k - 1]).abs();
+            steps[k] = (q[MAX_HALF_WIDTH + k] - q[MAX_HALF_WIDTH + k - 1]).abs();
         }
         for lanes in [&mut terms, &mut sizes, &mut squares] {
             lanes[count..].fill(0.0);
@@ -167,7 +170,7 @@ impl Row {
         }
         roundoff += UNIT_ROUNDOFF * (self.stored.sqrt() + 4.0 * scale);
         let (q_rough, p_rough) = (self.q.rough.sqrt(), self.p.rough.sqrt());
-        let folded = FOLDED * (q_rough * self.p.steepest + p_rough * self.q.steepest);
+        let folded = ALIASING_FACTOR * (q_rough * self.p.steepest + p_rough * self.q.steepest);
         RowIntegral {
             value: value.total(),
             quadrature_error: has_value.then(|| stencil.miss(q_rough, p_rough) + folded),
@@ -203,7 +206,7 @@ impl CoordinateSums {
         let mut squares = difference(stencil, x);
         let (mut slopes, mut up, mut down) = ([0.0; GROUP], [0.0; GROUP], [0.0; GROUP]);
         for k in 0..GROUP {
-            let n = WIDEST + k;
+            let n = MAX_HALF_WIDTH + k;
             squares[k] *= squares[k];
             slopes[k] = 2.0 * half_slope[k].abs();
             (up[k], down[k]) = (x[n], -x[n]);
@@ -215,7 +218,8 @@ impl CoordinateSums {
         self.extent.include(-most(&down));
         self.steepest = self.steepest.max(most(&slopes));
         self.rough += sum(&squares);
-        let window: &Window = (x[WIDEST - REACH..].try_into()).expect("the span goes back further");
+        let window: &Window =
+            (x[MAX_HALF_WIDTH - REACH..].try_into()).expect("the span goes back further");
         self.residuals.add(window, next, count);
     }
 
@@ -229,9 +233,9 @@ impl CoordinateSums {
 fn half_slope(stencil: &Stencil, x: &Span) -> Lanes {
     let mut slope = [0.0; GROUP];
     for (j, c) in (1..).zip(&stencil.centred) {
-        let earlier = &x[WIDEST - j..][..GROUP];
+        let earlier = &x[MAX_HALF_WIDTH - j..][..GROUP];
         for k in 0..GROUP {
-            slope[k] += c * (earlier[k] - x[WIDEST + k]);
+            slope[k] += c * (earlier[k] - x[MAX_HALF_WIDTH + k]);
         }
     }
     slope
@@ -241,7 +245,7 @@ fn half_slope(stencil: &Stencil, x: &Span) -> Lanes {
 fn difference(stencil: &Stencil, x: &Span) -> Lanes {
     let mut difference = [0.0; GROUP];
     for (l, w) in stencil.difference.iter().enumerate() {
-        let earlier = &x[WIDEST - l..][..GROUP];
+        let earlier = &x[MAX_HALF_WIDTH - l..][..GROUP];
         for k in 0..GROUP {
             difference[k] += w * earlier[k];
         }

@@ -13,10 +13,10 @@ use crate::state::RowsMut;
 use crate::state::{Ensemble, first_error};
 
 /// Memory of the new samples of a window, unless one group needs more.
-const NEW_BYTES: usize = 16 << 20;
+const MAX_BYTES: usize = 16 << 20;
 
 /// New samples of a window at most.
-const MOST_NEW: usize = 4096;
+const MAX_NEW_SAMPLES: usize = 4096;
 
 /// New samples are made in this many blocks, by as many threads, if the blocks are not too narrow.
 const BLOCKS: usize = 16;
@@ -46,8 +46,8 @@ impl Window {
     /// # Errors
     /// If no memory holds it.
     pub fn new(dof: usize, history: usize) -> Result<Self, Error> {
-        let of_bytes = NEW_BYTES / (16 * dof.max(1));
-        let new = (of_bytes / GROUP * GROUP).clamp(GROUP, MOST_NEW);
+        let of_bytes = MAX_BYTES / (16 * dof.max(1));
+        let new = (of_bytes / GROUP * GROUP).clamp(GROUP, MAX_NEW_SAMPLES);
         Ensemble::check_size(dof, history + new)?;
         Ok(Window {
             dof,
@@ -112,17 +112,17 @@ impl Window {
         visit: impl Fn(usize, &mut T, &mut [f64], &mut [f64]) -> f64 + Sync,
     ) -> f64 {
         /// Rows to a task.
-        const ROWS: usize = 64;
+        const ROWS_PER_TASK: usize = 64;
         let (history, stride) = (self.history, self.history + self.new);
-        let q = self.q.par_chunks_mut(ROWS * stride);
-        let p = self.p.par_chunks_mut(ROWS * stride);
-        let tasks = q.zip(p).zip(kept.par_chunks_mut(ROWS)).enumerate();
+        let q = self.q.par_chunks_mut(ROWS_PER_TASK * stride);
+        let p = self.p.par_chunks_mut(ROWS_PER_TASK * stride);
+        let tasks = q.zip(p).zip(kept.par_chunks_mut(ROWS_PER_TASK)).enumerate();
         let largest = tasks.map(|(task, ((q, p), kept))| {
             let mut largest = 0.0f64;
             let rows = (q.chunks_exact_mut(stride)).zip(p.chunks_exact_mut(stride));
             for (i, ((q, p), kept)) in rows.zip(kept).enumerate() {
                 let (q, p) = (&mut q[..history + count], &mut p[..history + count]);
-                largest = largest.max(visit(task * ROWS + i, kept, q, p));
+                largest = largest.max(visit(task * ROWS_PER_TASK + i, kept, q, p));
                 q.copy_within(count.., 0);
                 p.copy_within(count.., 0);
             }

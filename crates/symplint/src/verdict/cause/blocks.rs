@@ -8,15 +8,15 @@ use super::{Cause, CauseKind, Clues};
 use crate::jacobian::DefectBlocks;
 use crate::verdict::findings::blocks_text;
 use crate::verdict::slope::{slope_of, slope_of_jacobian};
-use crate::verdict::thresholds::TREND;
+use crate::verdict::thresholds::MIN_TREND;
 
 /// Defects of a model that is wrong have smaller slopes of log |defect| over log h, defects of a method larger ones. Conventional: between
 /// the orders 1 and 2.
-pub(super) const OF_A_MODEL: f64 = 1.5;
+pub(super) const MAX_SLOPE_OF_MODEL: f64 = 1.5;
 
 /// A block is the largest one if others are smaller by this factor. Conventional: the motion in a step, by which other blocks differ from
 /// it, is less than this part of a radian.
-const LARGEST: f64 = 2.0;
+const MIN_RATIO_OF_LARGEST_BLOCK: f64 = 2.0;
 
 /// Only the length of the step differs from state to state if this part of the defect is left across the trajectories. Conventional:
 /// three digits.
@@ -68,14 +68,14 @@ impl Clues<'_> {
     fn part_by_blocks(&self) -> Option<Cause> {
         let blocks = self.evidence.jacobian.as_ref()?.blocks.as_ref()?;
         let slope = self.slope_of_blocks();
-        let of_model = slope.is_none_or(|slope| slope < OF_A_MODEL);
+        let of_model = slope.is_none_or(|slope| slope < MAX_SLOPE_OF_MODEL);
         // In other variables blocks are others.
         let form = self.evidence.preserved_form.as_ref();
         let no_form = form.is_some_and(|form| form.exists == Some(false));
         // If the search for a form has no result, other variables may explain a kick, as momenta in a magnetic field do, but no drift, and
         // no change of momenta by themselves.
         let is_unknown = form.is_some_and(|form| form.exists.is_none());
-        let may_be_friction = is_unknown && slope.is_some_and(|slope| slope < OF_A_MODEL);
+        let may_be_friction = is_unknown && slope.is_some_and(|slope| slope < MAX_SLOPE_OF_MODEL);
         let sides = [(&blocks.after, true), (&blocks.before, false)];
         let found = sides.into_iter().find_map(|(side, is_end)| {
             let mut is_zero = side.zeros();
@@ -133,7 +133,7 @@ impl Clues<'_> {
     /// If no block is 0, the largest one of a defect that falls with h.
     fn largest_block(&self, blocks: &DefectBlocks) -> Option<Cause> {
         // Without a trend chance decides about the largest block.
-        self.slope().filter(|slope| *slope > TREND)?;
+        self.slope().filter(|slope| *slope > MIN_TREND)?;
         // At the end of a step, positions and momenta change their parts.
         let [before, mut after] = [blocks.before.sizes, blocks.after.sizes];
         after.reverse();
@@ -142,7 +142,7 @@ impl Clues<'_> {
                 let others = (0..3).filter(|&other| other != block);
                 others
                     .into_iter()
-                    .all(|other| sizes[block] > LARGEST * sizes[other])
+                    .all(|other| sizes[block] > MIN_RATIO_OF_LARGEST_BLOCK * sizes[other])
             })
         };
         let (kind, meaning) = match (0..3).find(|&block| is_largest(block))? {

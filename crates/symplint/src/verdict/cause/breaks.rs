@@ -8,23 +8,23 @@ use crate::evidence::{BreakSides, CoordinateAtBreak, Evidence, PositionAtBreak};
 use crate::signal::nearest;
 use crate::text::{loop_name, short, significant, two_digits};
 use crate::verdict::findings::listed;
-use crate::verdict::thresholds::FLICKERING;
+use crate::verdict::thresholds::MIN_FLICKERING_PART;
 
 /// Values that should be equal may differ by this part of what they are compared with. Conventional: far above rounding and the
 /// distance of states from a break, and far below what chance makes equal.
-const EQUAL: f64 = 1e-6;
+const MAX_RELATIVE_DIFFERENCE: f64 = 1e-6;
 
 /// Exponents of a jump against the step size may be off by this much: the largest jumps at two step sizes need not be at one
 /// place. Conventional: less than half of the distance of whole exponents.
-const OF_EXPONENT: f64 = 0.4;
+const MAX_ERROR_OF_EXPONENT: f64 = 0.4;
 
 /// One side of a break that lies on the trajectory of the other is met to this part of the jump. Conventional: a step along the flow
 /// is made in four parts, and the direction of a jump is random otherwise.
-const ON_TRAJECTORY: f64 = 0.02;
+const MAX_MISS_OF_TRAJECTORY: f64 = 0.02;
 
 /// A force that jumps moves a position by at most the change of its momentum times h over the mass, and by up to this many times as much if
 /// a method has kicks outside its step, as those of order 4 have. Conventional.
-const OF_RATIOS: f64 = 4.0;
+const MAX_MOTION_OVER_KICK: f64 = 4.0;
 
 /// How the jumps of a loop depend on the step size: the exponents of h.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -67,7 +67,7 @@ impl JumpLaw {
 }
 
 fn is_about(exponent: f64, whole: f64) -> bool {
-    (exponent - whole).abs() <= OF_EXPONENT
+    (exponent - whole).abs() <= MAX_ERROR_OF_EXPONENT
 }
 
 impl Clues<'_> {
@@ -100,7 +100,7 @@ impl Clues<'_> {
             breaks += closing.breaks;
             largest = largest.max(jump.jump_q.abs()).max(jump.jump_p.abs());
         }
-        let many = flickering > 1 && flickering as f64 >= FLICKERING * breaks as f64;
+        let many = flickering > 1 && flickering as f64 >= MIN_FLICKERING_PART * breaks as f64;
         many.then(|| {
             Cause::new(
                 CauseKind::SolverTolerance,
@@ -144,16 +144,16 @@ impl Clues<'_> {
                 true => (size, jump.jump_q, jump.jump_p),
                 false => (size, jump.jump_p, jump.jump_q),
             })
-            .filter(|(_, jump, other)| jump.abs() > EQUAL * other.abs())
+            .filter(|(_, jump, other)| jump.abs() > MAX_RELATIVE_DIFFERENCE * other.abs())
             .collect();
         let elsewhere: Vec<f64> = (jumps.iter())
             .map(|(_, jump, _)| *jump)
             .chain(sides.places.iter().filter(|_| of_q).map(|at| at.jump_q))
             .map(f64::abs)
             .collect();
-        let same = |other: &f64| (other - length).abs() <= EQUAL * length;
+        let same = |other: &f64| (other - length).abs() <= MAX_RELATIVE_DIFFERENCE * length;
         // Wrapped, a coordinate lies in one period.
-        let is_wrapped = of.range <= (1.0 + EQUAL) * length;
+        let is_wrapped = of.range <= (1.0 + MAX_RELATIVE_DIFFERENCE) * length;
         if sides.jumping != 1 || elsewhere.len() < 2 || !elsewhere.iter().all(same) || !is_wrapped {
             return None;
         }
@@ -199,8 +199,10 @@ impl Clues<'_> {
                 'q' => (found.jump_q, found.jump_p),
                 _ => (found.jump_p, found.jump_q),
             };
-            let is_alone = other.abs() <= EQUAL * length;
-            found.dof == dof && is_alone && (jump.abs() - length).abs() <= EQUAL * length
+            let is_alone = other.abs() <= MAX_RELATIVE_DIFFERENCE * length;
+            found.dof == dof
+                && is_alone
+                && (jump.abs() - length).abs() <= MAX_RELATIVE_DIFFERENCE * length
         })
     }
 
@@ -213,9 +215,11 @@ impl Clues<'_> {
         let is_reflected = match self.law {
             // Reflected within a step, a particle has moved by h·p to one side or the other, and forces have changed its momentum.
             Some(law) => {
-                low * high < 0.0 && is_about(law.p, 0.0) && (!q.jumps || law.q > 1.0 - OF_EXPONENT)
+                low * high < 0.0
+                    && is_about(law.p, 0.0)
+                    && (!q.jumps || law.q > 1.0 - MAX_ERROR_OF_EXPONENT)
             }
-            None => (low + high).abs() < EQUAL * (high - low).abs(),
+            None => (low + high).abs() < MAX_RELATIVE_DIFFERENCE * (high - low).abs(),
         };
         if !is_reflected || sides.jumping > 2 {
             return None;
@@ -225,7 +229,7 @@ impl Clues<'_> {
             false => format!(
                 " at {} = {} after the step",
                 name(q),
-                not_below(q.middle(), EQUAL * q.radius)
+                not_below(q.middle(), MAX_RELATIVE_DIFFERENCE * q.radius)
             ),
         };
         Some(Cause::new(
@@ -250,7 +254,7 @@ impl Clues<'_> {
         let sides = self.sides()?;
         let flow = sides
             .along_flow
-            .filter(|flow| flow.distance <= ON_TRAJECTORY)?;
+            .filter(|flow| flow.distance <= MAX_MISS_OF_TRAJECTORY)?;
         if sides.jumping < 2 {
             return None;
         }
@@ -276,7 +280,7 @@ impl Clues<'_> {
         let first = kicked.first()?;
         let q_jumps = (sides.coordinates.iter()).any(|of| of.jumps && of.coordinate == 'q');
         let is_kick = match self.law {
-            Some(law) => is_about(law.p, 1.0) && (!q_jumps || law.q > 2.0 - OF_EXPONENT),
+            Some(law) => is_about(law.p, 1.0) && (!q_jumps || law.q > 2.0 - MAX_ERROR_OF_EXPONENT),
             None => !q_jumps,
         };
         if !is_kick {
@@ -330,8 +334,9 @@ impl Clues<'_> {
     pub(super) fn choice_inside(&self) -> Option<Cause> {
         let sides = self.sides()?;
         let exponent = self.law.map(|law| law.q.min(law.p));
-        let is_error =
-            exponent.is_some_and(|exponent| exponent >= 1.0 + OF_EXPONENT && exponent.is_finite());
+        let is_error = exponent.is_some_and(|exponent| {
+            exponent >= 1.0 + MAX_ERROR_OF_EXPONENT && exponent.is_finite()
+        });
         let how = match exponent {
             _ if sides.jumping < 2 => return None,
             Some(exponent) if is_error => format!(
@@ -339,7 +344,7 @@ impl Clues<'_> {
             ),
             _ => {
                 let [ratio, of_motion] = self.ratios()?;
-                if ratio <= OF_RATIOS * of_motion {
+                if ratio <= MAX_MOTION_OVER_KICK * of_motion {
                     return None;
                 }
                 format!(
@@ -364,7 +369,11 @@ impl Clues<'_> {
     fn ratios(&self) -> Option<[f64; 2]> {
         let sides = self.sides()?;
         let dof = sides.of_break;
-        let [q, p] = ['q', 'p'].map(|of| sides.coordinate(of, dof).map(|of| EQUAL * of.radius));
+        let [q, p] = ['q', 'p'].map(|of| {
+            sides
+                .coordinate(of, dof)
+                .map(|of| MAX_RELATIVE_DIFFERENCE * of.radius)
+        });
         let (least_q, least_p) = (q?, p?);
         let ratios = (self.jumps())
             .filter(|(size, of)| *size == sides.step_size && of.dof == dof)
@@ -386,7 +395,7 @@ fn opposite_pairs<'a>(
     let mut pairs = Vec::new();
     while let Some(first) = left.pop() {
         let opposite = |of: &&CoordinateAtBreak| {
-            (of.jump() + first.jump()).abs() <= EQUAL * first.jump().abs()
+            (of.jump() + first.jump()).abs() <= MAX_RELATIVE_DIFFERENCE * first.jump().abs()
         };
         let second = left.remove(left.iter().position(opposite)?);
         pairs.push((second, first));
@@ -427,7 +436,7 @@ fn where_it_jumps(sides: &BreakSides) -> String {
         sides.step_size.unwrap_or(0.0),
     );
     let drifted = |part: f64| move |at: &PositionAtBreak| at.before + part * h * at.velocity;
-    let least = EQUAL * q.radius;
+    let least = MAX_RELATIVE_DIFFERENCE * q.radius;
     // The stages of a method jump at different positions: breaks of another stage move q, and this one does not, or the reverse.
     let of_this_stage =
         |at: &&PositionAtBreak| (at.jump_q.abs() > least) == (first.jump_q.abs() > least);
@@ -526,12 +535,12 @@ fn plainest(length: f64, values: [f64; 2]) -> f64 {
 
 /// A setting of some degrees of freedom: `period = [0, 6.283185307179586]`.
 fn setting_of(letter: char, of: &[usize], dofs: usize, value: f64) -> String {
-    const LISTED: usize = 32;
+    const MAX_LISTED: usize = 32;
     let key = match letter {
         'q' => "period",
         _ => "momentum_period",
     };
-    if dofs > LISTED {
+    if dofs > MAX_LISTED {
         return format!(
             "{key} = {value} for {}",
             listed(of.iter().map(|dof| format!("{letter}[{dof}]")))

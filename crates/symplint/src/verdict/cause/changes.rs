@@ -1,6 +1,6 @@
 //! Why loop integrals change.
 
-use super::blocks::OF_A_MODEL;
+use super::blocks::MAX_SLOPE_OF_MODEL;
 use super::{Cause, CauseKind, Clues};
 use crate::evidence::{Origin, StepEvidence};
 use crate::signal::SIGNIFICANT;
@@ -10,10 +10,10 @@ use crate::verdict::findings::{
     ChangeFinding, DomainFinding, Finding, LocalisationFinding, Step, culprits,
 };
 use crate::verdict::properties::{Property, PropertyName, noise};
-use crate::verdict::thresholds::{FAR, TREND};
+use crate::verdict::thresholds::{FAR, MIN_TREND};
 
 /// Larger defects are not taken for those of a tolerance. Conventional: the largest that solvers have by default.
-const LARGEST_TOLERANCE: f64 = 1e-6;
+const MAX_TOLERANCE: f64 = 1e-6;
 
 impl Clues<'_> {
     /// A coordinate has one value at some samples of the given loop.
@@ -107,7 +107,7 @@ impl Clues<'_> {
 
     /// Whether the defect is the same at all step sizes.
     pub(super) fn is_constant(&self) -> bool {
-        self.slope().is_some_and(|slope| slope.abs() <= TREND)
+        self.slope().is_some_and(|slope| slope.abs() <= MIN_TREND)
     }
 
     /// A small defect that does not depend on the step size, or that the noise of the map can make.
@@ -117,7 +117,7 @@ impl Clues<'_> {
         let largest = significant
             .map(|step| step.defect.magnitude())
             .reduce(f64::max)
-            .filter(|largest| *largest < LARGEST_TOLERANCE)?;
+            .filter(|largest| *largest < MAX_TOLERANCE)?;
         let defect = one_digit(largest);
         let text = match self.noise() {
             _ if self.is_constant() => format!(
@@ -205,7 +205,7 @@ impl Clues<'_> {
             true => ", on all loops and in the Jacobian,",
             false => ", on all loops,",
         };
-        let is_of_method = self.slope().is_some_and(|slope| slope > OF_A_MODEL);
+        let is_of_method = self.slope().is_some_and(|slope| slope > MAX_SLOPE_OF_MODEL);
         let meaning = match conformal.rate {
             // A factor that does not depend on the step size is not friction.
             _ if self.is_constant() => {

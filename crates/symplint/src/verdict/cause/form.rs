@@ -13,13 +13,13 @@ use crate::verdict::advice::Advice;
 const BETTER: f64 = 100.0;
 
 /// Entries of a form that are written out.
-const MOST_ENTRIES: usize = 12;
+const MAX_ENTRIES: usize = 12;
 
 /// Degrees of freedom up to which a form is written as a matrix, and the momenta of a field are written out.
-const MOST_OF_MATRIX: usize = 3;
+const MAX_DOF_OF_MATRIX: usize = 3;
 
 /// Degrees of freedom from which a linear step may be one of fields on a grid.
-const FEWEST_OF_FIELDS: usize = 3;
+const MIN_DOF_OF_FIELDS: usize = 3;
 
 impl Clues<'_> {
     /// The momenta are not canonical: the map preserves another form, on loops as well.
@@ -237,7 +237,7 @@ impl PreservedForm {
 
     fn kind(&self) -> CauseKind {
         let Some(pairs) = self.pairs() else {
-            return match self.is_linear && self.dof >= FEWEST_OF_FIELDS {
+            return match self.is_linear && self.dof >= MIN_DOF_OF_FIELDS {
                 true => CauseKind::Fields,
                 false => CauseKind::OtherForm,
             };
@@ -301,7 +301,7 @@ impl PreservedForm {
     fn field_setting(&self) -> String {
         let of_momenta = |entry: &FormEntry| entry.coordinates[0] >= self.dof;
         // Fields that vary are those of few positions.
-        if self.dof > MOST_OF_MATRIX || self.entries.iter().any(of_momenta) {
+        if self.dof > MAX_DOF_OF_MATRIX || self.entries.iter().any(of_momenta) {
             return self.form_setting();
         }
         let pairs = self.pairs().unwrap_or_default();
@@ -336,7 +336,7 @@ impl PreservedForm {
 
     /// Half of z·Ω is the one-form whose derivative is the form.
     fn form_setting(&self) -> String {
-        if self.dof > MOST_OF_MATRIX {
+        if self.dof > MAX_DOF_OF_MATRIX {
             return "form = lambda z: z @ Ω / 2 with Ω_ab of `evidence.preserved_form`".to_owned();
         }
         let entry = |a: usize, b: usize| {
@@ -363,9 +363,9 @@ impl PreservedForm {
         let is_shown = |entry: &&FormEntry| !self.varies() || self.is_mixed(entry);
         let mut largest: Vec<&FormEntry> = self.entries.iter().filter(is_shown).collect();
         let all = largest.len();
-        if largest.len() > MOST_ENTRIES {
+        if largest.len() > MAX_ENTRIES {
             largest.sort_by(|a, b| b.value.abs().total_cmp(&a.value.abs()));
-            largest.truncate(MOST_ENTRIES);
+            largest.truncate(MAX_ENTRIES);
         }
         largest.sort_by_key(|entry| (!self.is_mixed(entry), entry.coordinates));
         let name = |c: usize| match c < self.dof {

@@ -53,7 +53,7 @@ impl Display for LocalisationFinding {
 }
 
 /// Substeps that are named, those with the largest changes.
-const NAMED: usize = 5;
+const MAX_NAMED: usize = 5;
 
 fn uncertainty(of: &SubstepDefect) -> f64 {
     of.uncertainty.unwrap_or(f64::INFINITY)
@@ -82,9 +82,9 @@ fn fmt_substeps(f: &mut Formatter<'_>, substeps: &[SubstepDefect], step: &Step) 
     let least = others.iter().map(|of| of.change.abs() + uncertainty(of));
     let conserved = least.fold(0.0, f64::max);
     let all = guilty.len();
-    if all > NAMED {
+    if all > MAX_NAMED {
         guilty.sort_by(|a, b| b.change.abs().total_cmp(&a.change.abs()));
-        guilty.truncate(NAMED);
+        guilty.truncate(MAX_NAMED);
         guilty.sort_by_key(|of| of.substep);
     }
     let texts = guilty.iter().map(|of| {
@@ -99,8 +99,8 @@ fn fmt_substeps(f: &mut Formatter<'_>, substeps: &[SubstepDefect], step: &Step) 
         text
     });
     let mut named = texts.collect::<Vec<String>>().join(", ");
-    if all > NAMED {
-        named += &format!(", and {} more change it by less", all - NAMED);
+    if all > MAX_NAMED {
+        named += &format!(", and {} more change it by less", all - MAX_NAMED);
     }
     let rest = match others.is_empty() {
         true => String::new(),
@@ -132,7 +132,7 @@ pub(in crate::verdict) fn blocks_text(side: &BlockDefects) -> String {
 }
 
 /// A sector that makes this part of all changes is named. Conventional.
-const LARGE_SHARE: f64 = 0.4;
+const MIN_NAMED_SHARE: f64 = 0.4;
 
 /// The sector that changes most, if that is more than its uncertainty.
 pub(in crate::verdict) fn largest_sector(sectors: &[Sector]) -> Option<&Sector> {
@@ -151,7 +151,7 @@ fn fmt_sectors(f: &mut Formatter<'_>, sectors: &[Sector], step: &Step) -> Result
     let all: f64 = sectors.iter().map(|sector| sector.change.abs()).sum();
     let share = largest.change.abs() / all;
     let (count, percent) = (sectors.len(), (100.0 * share).round());
-    if share >= LARGE_SHARE {
+    if share >= MIN_NAMED_SHARE {
         write!(
             f,
             "Of {count} sectors of the loop, the one from s = {} to {} contributes most {step}: {:+.2e}, {percent}% of the sum of all \

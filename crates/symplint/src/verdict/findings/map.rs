@@ -158,7 +158,7 @@ pub(in crate::verdict) fn roughness(exponent: f64) -> Option<&'static str> {
 }
 
 /// The defect of a method of order 4 is the first term of a series, which holds up to about this phase advance.
-const MOST_OF_THE_SERIES: f64 = 1.0;
+const MAX_PHASE_ADVANCE_OF_SERIES: f64 = 1.0;
 
 fn moves(f: &mut Formatter<'_>, motion: &Motion, has_step_size: bool) -> Result {
     let subject = match has_step_size {
@@ -184,7 +184,7 @@ fn moves(f: &mut Formatter<'_>, motion: &Motion, has_step_size: bool) -> Result 
             "{subject} rotates the loop by up to {} rad (phase advance).",
             short(motion.phase_advance)
         )?;
-        match has_step_size && motion.phase_advance <= MOST_OF_THE_SERIES {
+        match has_step_size && motion.phase_advance <= MAX_PHASE_ADVANCE_OF_SERIES {
             true => write!(
                 f,
                 " In such a step, a Runge–Kutta method of order 4 changes ∮p·dq by about {}.",

@@ -201,12 +201,12 @@ fn plural(count: usize) -> &'static str {
 
 /// The first of these names, and how many there are besides.
 pub(super) fn listed(names: impl ExactSizeIterator<Item = String>) -> String {
-    const NAMED: usize = 4;
-    let further = match names.len().saturating_sub(NAMED) {
+    const MAX_NAMED: usize = 4;
+    let further = match names.len().saturating_sub(MAX_NAMED) {
         0 => String::new(),
         further => format!(" and {further} more"),
     };
-    let named: Vec<String> = names.take(NAMED).collect();
+    let named: Vec<String> = names.take(MAX_NAMED).collect();
     named.join(", ") + &further
 }
 

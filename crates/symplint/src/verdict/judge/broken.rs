@@ -2,13 +2,13 @@
 
 use super::{Case, Decision, change, moves_rest};
 use crate::breaks::Break;
-use crate::evidence::{LoopEvidence, StepEvidence, WEAKEST_BOUND};
+use crate::evidence::{LoopEvidence, MAX_BOUND, StepEvidence};
 use crate::signal::SIGNIFICANT;
 use crate::verdict::VerdictKind;
 use crate::verdict::advice::Advice;
 use crate::verdict::findings::{BreakFinding, ChangeFinding, Finding, SampleFinding, Step};
 use crate::verdict::order::Fit;
-use crate::verdict::thresholds::{LEAST_SAMPLED_JUMP, SHUFFLED, TREND};
+use crate::verdict::thresholds::{MIN_SAMPLED_JUMP, MIN_SHUFFLED_RATIO, MIN_TREND};
 
 /// The worst of the loops whose breaks are closed.
 struct WorstClosure {
@@ -30,7 +30,7 @@ impl Case<'_> {
         if let Some(wrap) = given.wrap_before {
             return Some(wrapped(wrap.dof, wrap.period, None));
         }
-        if let Some(ratio) = given.shuffled.filter(|&ratio| ratio > SHUFFLED) {
+        if let Some(ratio) = given.shuffled.filter(|&ratio| ratio > MIN_SHUFFLED_RATIO) {
             let mut decision = Decision::new(
                 VerdictKind::Undecided,
                 Finding::Samples(SampleFinding::Shuffled { ratio }),
@@ -88,7 +88,7 @@ impl Case<'_> {
         decision.findings.extend(moves_rest(found));
         decision.findings.push(count);
         let fit = self.fits.iter().find(|fit| fit.loop_index == 0);
-        decision.order = fit.filter(|fit| fit.slope > TREND).and_then(Fit::whole);
+        decision.order = fit.filter(|fit| fit.slope > MIN_TREND).and_then(Fit::whole);
         decision.findings.extend(fit.map(|fit| {
             Finding::Changes(ChangeFinding::Law {
                 fit: fit.clone(),
@@ -150,7 +150,7 @@ impl Case<'_> {
             });
         }
         let bound = defect.magnitude() + defect.uncertainty();
-        (bound <= WEAKEST_BOUND).then_some(WorstClosure {
+        (bound <= MAX_BOUND).then_some(WorstClosure {
             finding: Finding::Breaks(BreakFinding::ClosedConserved {
                 bound,
                 straight: closing.straight,
@@ -165,7 +165,7 @@ impl Case<'_> {
     fn broken_samples(&self) -> Option<Decision> {
         let jumping = || {
             self.steps().filter_map(|(found, step)| {
-                let jumps = step.jumping.filter(|j| j.largest > LEAST_SAMPLED_JUMP)?;
+                let jumps = step.jumping.filter(|j| j.largest > MIN_SAMPLED_JUMP)?;
                 Some((found, step, jumps))
             })
         };

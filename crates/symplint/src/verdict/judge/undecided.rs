@@ -2,8 +2,8 @@
 
 use super::{Case, Decision, change};
 use crate::evidence::{
-    Check, LEAST_DEFORMATION, LEAST_PHASE_ADVANCE, LoopEvidence, LoopKind, Motion, StepEvidence,
-    Why, defect_of_order_4,
+    Check, LoopEvidence, LoopKind, MIN_DEFORMATION, MIN_PHASE_ADVANCE, Motion, StepEvidence, Why,
+    defect_of_order_4,
 };
 use crate::rules::RuleKind;
 use crate::signal::SIGNIFICANT;
@@ -14,11 +14,12 @@ use crate::verdict::findings::{
 };
 use crate::verdict::jacobian::JacobianVerdict;
 use crate::verdict::thresholds::{
-    LOOSEST_TOLERANCE, MOST_DEFORMATION, MOST_LARGER, POINT_OF_DISC, SMALL, UNBALANCED,
+    MAX_DEFORMATION, MAX_POINT_OF_DISC, MAX_SOLVER_TOLERANCE, MAX_STEP_FACTOR,
+    MAX_UNCONFIRMED_DEFECT, MIN_UNBALANCED_RATIO,
 };
 
 /// Evaluations that a check of a smooth map needs, about. Conventional.
-const EVALUATIONS_OF_A_STEP: usize = 1000;
+const EVALUATIONS_OF_CHECK: usize = 1000;
 
 impl Case<'_> {
     pub(super) fn because(&self, because: Finding, advice: Vec<Advice>) -> Decision {
@@ -51,7 +52,7 @@ impl Case<'_> {
     fn smaller_steps(&self) -> Option<Advice> {
         let (motion, step_size) = self.strongest_motion()?;
         let deformation = motion.deformation;
-        (step_size.is_some() && deformation > MOST_DEFORMATION)
+        (step_size.is_some() && deformation > MAX_DEFORMATION)
             .then_some(Advice::SmallerSteps { deformation })
     }
 
@@ -74,7 +75,7 @@ impl Case<'_> {
     /// All of the change sits at one point of the disc within the loop: it need not be a loop that can be contracted.
     pub(super) fn not_contracted(&self) -> Option<Decision> {
         let contraction = self.evidence.contraction?;
-        if contraction.area > POINT_OF_DISC || self.jacobian_refutes() {
+        if contraction.area > MAX_POINT_OF_DISC || self.jacobian_refutes() {
             return None;
         }
         let (found, step) = self.worst(StepEvidence::is_significant)?;
@@ -189,7 +190,8 @@ impl Case<'_> {
     /// A defect that is neither explained nor significant. A small one that is not even significant is part of the bound.
     pub(super) fn unexplained(&self) -> Option<Decision> {
         let counts = |step: &StepEvidence| {
-            step.is_unexplained() && (step.defect.magnitude() >= SMALL || step.is_significant())
+            step.is_unexplained()
+                && (step.defect.magnitude() >= MAX_UNCONFIRMED_DEFECT || step.is_significant())
         };
         let (found, step) = self.worst(counts)?;
         let because = Finding::Changes(ChangeFinding::Unexplained {
@@ -262,7 +264,7 @@ impl Case<'_> {
     /// Advice for a loop whose radii have nothing to do with the motion on it.
     fn balanced_radii(&self, motion: Motion) -> Option<Advice> {
         let imbalance = motion.imbalance;
-        (!self.is_sampled() && imbalance >= UNBALANCED)
+        (!self.is_sampled() && imbalance >= MIN_UNBALANCED_RATIO)
             .then_some(Advice::BalancedRadii { imbalance })
     }
 
@@ -273,8 +275,8 @@ impl Case<'_> {
         bound: f64,
     ) -> Advice {
         let factor = match motion.shear {
-            true => 2.0 * LEAST_DEFORMATION / motion.deformation,
-            false if motion.phase_advance < LEAST_PHASE_ADVANCE => 1.0 / motion.phase_advance,
+            true => 2.0 * MIN_DEFORMATION / motion.deformation,
+            false if motion.phase_advance < MIN_PHASE_ADVANCE => 1.0 / motion.phase_advance,
             // A digit above the bound: the defect goes as θ^6.
             false => (10.0 * bound / defect_of_order_4(motion.phase_advance)).powf(1.0 / 6.0),
         };
@@ -283,14 +285,14 @@ impl Case<'_> {
                 true => Advice::CheckCopies,
                 false => Advice::ReturnStates,
             }
-        } else if factor < MOST_LARGER && self.larger_steps_fail(step_size) {
+        } else if factor < MAX_STEP_FACTOR && self.larger_steps_fail(step_size) {
             let repeat = factor.ceil() as usize;
-            let budget = EVALUATIONS_OF_A_STEP.saturating_mul(repeat);
+            let budget = EVALUATIONS_OF_CHECK.saturating_mul(repeat);
             Advice::StepsAtOnce {
                 repeat,
                 budget: (budget > self.evidence.evaluations.budget).then_some(budget),
             }
-        } else if factor < MOST_LARGER {
+        } else if factor < MAX_STEP_FACTOR {
             let factor = Some(factor);
             Advice::LargerSteps { factor, step_size }
         } else if motion.shear || motion.is_rounding() {
@@ -338,7 +340,7 @@ impl Case<'_> {
         let because = Finding::Samples(SampleFinding::UnknownIntegral {
             samples: found.samples,
             step: self.name(found, step),
-            too_few: found.samples < crate::evidence::FEWEST_SAMPLES,
+            too_few: found.samples < crate::evidence::MIN_SAMPLES,
         });
         Some(self.because(
             because,
@@ -380,7 +382,7 @@ impl Case<'_> {
                 return self.because(because, advice);
             }
             let advice = match (roundoff, self.is_sampled()) {
-                (_, false) if deformation > MOST_DEFORMATION => {
+                (_, false) if deformation > MAX_DEFORMATION => {
                     match self.balanced_radii(motion) {
                         Some(balanced) => balanced,
                         // A smaller loop has fewer digits.
@@ -446,7 +448,7 @@ impl Case<'_> {
                 .jacobian
                 .as_ref()
                 .and_then(|found| found.worst);
-            let small = worst.is_some_and(|worst| worst.magnitude() < LOOSEST_TOLERANCE);
+            let small = worst.is_some_and(|worst| worst.magnitude() < MAX_SOLVER_TOLERANCE);
             let mut advice = vec![Advice::OtherLoops];
             if small {
                 advice.insert(0, Advice::TightenSolver);

@@ -3,8 +3,9 @@
 mod limits;
 
 use limits::{
-    CLOSE, DISTANCES, FEWEST_MADE, FEWEST_MADE_OF_FLOW, FIRST_PART, LARGEST_PART, LEAST_DISTANCE,
-    LEAST_JUMP, MOST_COORDINATES, MOST_PLACES, MOST_TRIALS, OF_UNCERTAINTY, SUBDIVISIONS,
+    DISTANCE_IN_UNCERTAINTIES, DISTANCES, FIRST_PART_OF_STEP, MAX_COMPARED_BREAKS, MAX_COORDINATES,
+    MAX_DISTANCE_OVER_JUMP, MAX_PART_OF_STEP, MAX_SECANT_TRIALS, MIN_DISTANCE, MIN_EVALUATIONS,
+    MIN_EVALUATIONS_FOR_FLOW, MIN_RELATIVE_JUMP, SUBDIVISIONS,
 };
 
 use super::{GivenLoop, Runner};
@@ -32,7 +33,7 @@ impl Runner<'_> {
         given: &GivenLoop<'_>,
     ) -> Result<(), Error> {
         // What tells the cause costs a small part of what told the break.
-        if self.count.made() < FEWEST_MADE || given.probe.is_beyond_memory() {
+        if self.count.made() < MIN_EVALUATIONS || given.probe.is_beyond_memory() {
             return Ok(());
         }
         let broken = (self.evidence.loops.iter()).find(|found| !found.winds && found.is_broken());
@@ -51,7 +52,7 @@ impl Runner<'_> {
             .filter(|other| other.dof == jump.dof && other.s != jump.s);
         let breaks: Vec<Break> = std::iter::once(jump)
             .chain(others)
-            .take(MOST_PLACES)
+            .take(MAX_COMPARED_BREAKS)
             .collect();
         let random = (self.diagnostic).random_loop_of(found, &given.size, subject)?;
         let subject = subject.on(random.as_ref());
@@ -69,7 +70,7 @@ impl Runner<'_> {
             return Ok(());
         };
         (sides.loop_index, sides.step_size) = (loop_index, step_size);
-        if step_size.is_some() && self.count.made() >= FEWEST_MADE_OF_FLOW {
+        if step_size.is_some() && self.count.made() >= MIN_EVALUATIONS_FOR_FLOW {
             sides.along_flow = along_flow(subject, h, &low_and_high, &given.size)?;
         }
         sides.places = places(subject, h, &breaks)?;
@@ -96,7 +97,7 @@ fn look(
     size: &LoopSize,
 ) -> Result<Option<(BreakSides, Ensemble)>, Error> {
     let (evaluator, dof) = (subject.evaluator, subject.dof());
-    let nearest_distance = LEAST_DISTANCE.max(OF_UNCERTAINTY * jump.uncertainty);
+    let nearest_distance = MIN_DISTANCE.max(DISTANCE_IN_UNCERTAINTIES * jump.uncertainty);
     let distances: Vec<f64> = [nearest_distance, 2.0 * nearest_distance]
         .into_iter()
         .chain(
@@ -124,7 +125,7 @@ fn look(
     let scaled = |of: &CoordinateAtBreak| of.jump().abs() / of.radius;
     let largest = all.iter().map(scaled).fold(0.0, f64::max);
     for of in &mut all {
-        of.jumps = of.jumps && scaled(of) > LEAST_JUMP * largest;
+        of.jumps = of.jumps && scaled(of) > MIN_RELATIVE_JUMP * largest;
     }
     let shows = |of: f64, jumps: f64| (of - jumps).abs() <= 0.5 * jumps.abs();
     let [q, p] = [&all[jump.dof], &all[dof + jump.dof]];
@@ -165,7 +166,7 @@ fn of_interest(all: Vec<CoordinateAtBreak>) -> Vec<CoordinateAtBreak> {
         .filter(|&c| all[c].jumps || all[c].constant[0] != all[c].constant[1])
         .collect();
     order.sort_by(|&a, &b| scaled(&all[b]).total_cmp(&scaled(&all[a])));
-    order.truncate(MOST_COORDINATES);
+    order.truncate(MAX_COORDINATES);
     for c in order.clone() {
         let partner = (c + dof) % (2 * dof);
         if !order.contains(&partner) {
@@ -226,11 +227,11 @@ fn along_flow(
         (0..2 * dof).map(of).collect()
     };
     let mut states = sides.clone();
-    evaluator.advance(&mut states, FIRST_PART * h)?;
+    evaluator.advance(&mut states, FIRST_PART_OF_STEP * h)?;
     let first = [0, 1].map(|side| {
         let towards = difference((sides, side), (sides, 1 - side));
         let moved = difference((sides, side), (&states, side));
-        FIRST_PART * dot(&towards, &moved) / dot(&moved, &moved)
+        FIRST_PART_OF_STEP * dot(&towards, &moved) / dot(&moved, &moved)
     });
     // The flow leads from one side to the other in positive time.
     let side = usize::from(first[1] > first[0]);
@@ -238,8 +239,8 @@ fn along_flow(
     let mut known = (0.0, difference((sides, side), (sides, 1 - side)));
     let mut part = first[side];
     let mut best: Option<AlongFlow> = None;
-    for _ in 0..MOST_TRIALS {
-        if !(part > 0.0 && part <= LARGEST_PART) {
+    for _ in 0..MAX_SECANT_TRIALS {
+        if !(part > 0.0 && part <= MAX_PART_OF_STEP) {
             break;
         }
         let mut state = column(sides, side);
@@ -251,7 +252,7 @@ fn along_flow(
         if best.is_none_or(|best| distance < best.distance) {
             best = Some(AlongFlow { part, distance });
         }
-        if distance < CLOSE {
+        if distance < MAX_DISTANCE_OVER_JUMP {
             break;
         }
         let moved: Vec<f64> = (known.1.iter().zip(&miss)).map(|(a, b)| a - b).collect();
@@ -281,7 +282,7 @@ fn places(subject: Subject<'_>, h: f64, breaks: &[Break]) -> Result<Vec<Position
     let before = states_at(subject.phase_loop, &s);
     let beside: Vec<f64> = (breaks.iter())
         .map(|found| {
-            let distance = LEAST_DISTANCE.max(OF_UNCERTAINTY * found.uncertainty);
+            let distance = MIN_DISTANCE.max(DISTANCE_IN_UNCERTAINTIES * found.uncertainty);
             (found.s - distance).rem_euclid(1.0)
         })
         .collect();

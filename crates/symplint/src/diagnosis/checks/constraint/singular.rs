@@ -11,7 +11,7 @@ use crate::signal::{nearest, parameter};
 use crate::state::{Block, Ensemble, coordinate, coordinate_mut, period};
 
 /// Points of the loop at which the Jacobian is measured: a map that projects does so at both.
-const POINTS: usize = 2;
+const JACOBIAN_POINTS: usize = 2;
 
 /// Distances of the central differences, in sizes of the loop: small, as a map may not work far from its manifold,
 /// and far above the rounding of single precision.
@@ -28,31 +28,31 @@ const STRETCHES: usize = 4;
 
 /// A direction that one step shrinks to this part, beyond what the step's expansion of another one explains, is
 /// projected away. A symplectic step shrinks one direction as much as it expands another: their product is 1.
-const PROJECTED: f64 = 1e-5;
+const MAX_FACTOR_OF_PROJECTION: f64 = 1e-5;
 
 /// Differences whose errors are larger than this part do not show it.
-const MOST_ERROR: f64 = 0.05;
+const MAX_RELATIVE_ERROR: f64 = 0.05;
 
 /// Singular values below this part of the largest one are zero. Those of a form are at least 1e-3 in coordinates of similar
 /// action, and the differences have errors of 1e-9.
-const ZERO_PART: f64 = 1e-6;
+const MAX_ZERO_SINGULAR_VALUE: f64 = 1e-6;
 
 /// The largest error of a rank that counts, as a part of the largest singular value.
-const MOST_ERROR_OF_RANK: f64 = 1e-2;
+const MAX_ERROR_OF_RANK: f64 = 1e-2;
 
 /// The most coordinates of a one-form whose rank is tested: the matrix has this size.
-const MOST_COORDINATES: usize = 512;
+const MAX_COORDINATES: usize = 512;
 
 /// The trace of the derivative of a projection is the dimension of its manifold, up to this error.
-const MOST_ERROR_OF_TRACE: f64 = 0.1;
+const MAX_ERROR_OF_TRACE: f64 = 0.1;
 
 /// Repetitions of a scaling by the largest entries of rows, of which each halves the logarithms of their ratios.
-const SCALINGS: usize = 40;
+const SCALING_ROUNDS: usize = 40;
 
 /// Evaluations that it takes at most in this number of degrees of freedom.
 pub(in crate::diagnosis) fn cost(dof: usize) -> usize {
     let columns: usize = stretches(dof).iter().map(|dofs| 2 * dofs.len()).sum();
-    POINTS * STATES * columns + Subject::SAMPLES_OF_GRAIN
+    JACOBIAN_POINTS * STATES * columns + Subject::SAMPLES_OF_GRAIN
 }
 
 /// Looks at points of a loop whether the Jacobian of a step of size `h` is singular, as far as differences tell. In
@@ -72,7 +72,7 @@ pub(super) fn singular_jacobian(
     }
     let dof = subject.dof();
     let mut found: Option<SingularJacobian> = None;
-    for s in (0..POINTS).map(parameter) {
+    for s in (0..JACOBIAN_POINTS).map(parameter) {
         let mut of_site: Option<SingularJacobian> = None;
         for dofs in stretches(dof) {
             let displaced: Vec<usize> = dofs.iter().flat_map(|&i| [i, dof + i]).collect();
@@ -106,12 +106,12 @@ pub(super) fn degenerate_form(
     let Some(constraint) = constraint.filter(|constraint| constraint.is_of_one_form()) else {
         return Ok(None);
     };
-    if subject.dof() > MOST_COORDINATES {
+    if subject.dof() > MAX_COORDINATES {
         return Ok(None);
     }
     let displaced: Vec<usize> = (0..subject.dof()).collect();
     let mut found: Option<Rank> = None;
-    for s in (0..POINTS).map(parameter) {
+    for s in (0..JACOBIAN_POINTS).map(parameter) {
         let columns = Columns::measure(subject, size, s, &displaced, |states, fill| {
             let mut block = states.block();
             fill(0, &mut block)?;
@@ -224,8 +224,8 @@ impl Columns {
         let [smallest, largest] =
             [squares.min(), squares.max()].map(|square| square.max(0.0).sqrt());
         let error = self.errors.norm();
-        let resolved = error * largest <= MOST_ERROR;
-        let zero = (PROJECTED / largest).max(SAFETY * error);
+        let resolved = error * largest <= MAX_RELATIVE_ERROR;
+        let zero = (MAX_FACTOR_OF_PROJECTION / largest).max(SAFETY * error);
         // Of numbers that are not finite nothing is true.
         (resolved && smallest <= zero).then(|| SingularJacobian {
             s,
@@ -250,9 +250,9 @@ impl Columns {
         let kept: Vec<usize> = (0..coordinates).filter(|&k| sizes[k] > zero).collect();
         let least = kept.iter().map(|&k| sizes[k]).fold(f64::INFINITY, f64::min);
         // An error of the image, and as much of its conjugate.
-        let tolerance = ZERO_PART.max(2.0 * SAFETY * error / least);
+        let tolerance = MAX_ZERO_SINGULAR_VALUE.max(2.0 * SAFETY * error / least);
         let rank = kept.len();
-        if rank == 0 || tolerance > MOST_ERROR_OF_RANK {
+        if rank == 0 || tolerance > MAX_ERROR_OF_RANK {
             return None;
         }
         let image = squares.eigenvectors.select_columns(&kept);
@@ -271,7 +271,7 @@ impl Columns {
         let (of_q, of_p) = halves(&self.errors);
         // A projection is idempotent on its manifold.
         let dimension = q.trace().round();
-        if !((q.trace() - dimension).abs() <= MOST_ERROR_OF_TRACE && dimension >= 1.0) {
+        if !((q.trace() - dimension).abs() <= MAX_ERROR_OF_TRACE && dimension >= 1.0) {
             return None;
         }
         let form = q.transpose() * &p - p.transpose() * &q;
@@ -283,7 +283,7 @@ impl Columns {
         let n = form.nrows();
         let mut scale = vec![1.0; n];
         // Degrees of freedom of different action, and coordinates in different units, count alike.
-        for _ in 0..SCALINGS {
+        for _ in 0..SCALING_ROUNDS {
             let largest = |i: usize| {
                 let row = (0..n).filter(|&j| significant(i, j));
                 row.map(|j| (scale[i] * form[(i, j)] * scale[j]).abs())
@@ -304,8 +304,8 @@ impl Columns {
         };
         let sizes = singular_values(&scaled(&form));
         let largest = sizes.iter().copied().fold(0.0, f64::max);
-        let tolerance = (ZERO_PART * largest).max(SAFETY * scaled(&errors).norm());
-        let resolved = largest == 0.0 || tolerance <= MOST_ERROR_OF_RANK * largest;
+        let tolerance = (MAX_ZERO_SINGULAR_VALUE * largest).max(SAFETY * scaled(&errors).norm());
+        let resolved = largest == 0.0 || tolerance <= MAX_ERROR_OF_RANK * largest;
         resolved.then(|| Rank {
             rank: sizes.iter().filter(|&&size| size > tolerance).count(),
             of: dimension as usize,

@@ -14,26 +14,26 @@ use crate::map::LoopSize;
 use crate::rules::{Piecewise, Subject};
 
 /// Halvings of the disc at most.
-const HALVINGS: usize = 12;
+const MAX_HALVINGS: usize = 12;
 
 /// Patches that change by this part of the whole change, or less, are left out: in twelve halvings of four patches
 /// no more than a tenth of it.
-const REST: f64 = 0.002;
+const MAX_NEGLECTED_PART: f64 = 0.002;
 
 /// Patches that carry the change at most. A defect that is spread over the disc doubles them with every halving.
-const MOST_PATCHES: usize = 4;
+const MAX_PATCHES: usize = 4;
 
 /// The cut of a patch: not in the middle, where an axis may be.
-const CUT: f64 = 0.437;
+const POSITION_OF_CUT: f64 = 0.437;
 
 /// The centre of the disc is that of the loop, moved by this part of its size: an axis may be there, too.
-const OFF_CENTRE: f64 = 0.0917;
+const CENTRE_OFFSET: f64 = 0.0917;
 
 /// Evaluations of one boundary at most: near a singular point they are many.
-pub(crate) const MOST_EVALUATIONS: usize = 4_000;
+pub(crate) const MAX_EVALUATIONS_OF_BOUNDARY: usize = 4_000;
 
 /// Evaluations that the first halving takes, where boundaries are smooth.
-pub(crate) const FEWEST_EVALUATIONS: usize = 2 * (12 + 15 * 4);
+pub(crate) const MIN_EVALUATIONS_OF_HALVING: usize = 2 * (12 + 15 * 4);
 
 /// Follows the parts of the disc that carry the change of the loop integral, as long as they are few. `None` where
 /// boundaries are not resolved.
@@ -49,7 +49,7 @@ pub(crate) fn contraction(
     for (centre, radius) in centre.iter_mut().zip(&size.radius) {
         for (i, (centre, radius)) in centre.iter_mut().zip(radius).enumerate() {
             if !size.at_rest[i] {
-                *centre += OFF_CENTRE * radius;
+                *centre += CENTRE_OFFSET * radius;
             }
         }
     }
@@ -57,7 +57,7 @@ pub(crate) fn contraction(
         subject,
         centre,
         rule: Piecewise {
-            most_evaluations: MOST_EVALUATIONS,
+            most_evaluations: MAX_EVALUATIONS_OF_BOUNDARY,
             ..Piecewise::default()
         },
         h,
@@ -67,13 +67,13 @@ pub(crate) fn contraction(
         r: [0.0, 1.0],
     };
     let whole = patches.change(disc)?;
-    let is_little = |change: f64| change.abs() <= REST * whole.change.abs();
+    let is_little = |change: f64| change.abs() <= MAX_NEGLECTED_PART * whole.change.abs();
     let mut carrying = vec![Part {
         patch: disc,
         change: whole.change,
         area: 1.0,
     }];
-    for halving in 0..HALVINGS {
+    for halving in 0..MAX_HALVINGS {
         let mut halves = Vec::new();
         for part in &carrying {
             let [first, second] = part.patch.halves(halving);
@@ -83,8 +83,12 @@ pub(crate) fn contraction(
             }
             // The change of the other half is what is left.
             for (patch, change, area) in [
-                (first, found.change, CUT * part.area),
-                (second, part.change - found.change, (1.0 - CUT) * part.area),
+                (first, found.change, POSITION_OF_CUT * part.area),
+                (
+                    second,
+                    part.change - found.change,
+                    (1.0 - POSITION_OF_CUT) * part.area,
+                ),
             ] {
                 if !is_little(change) {
                     halves.push(Part {
@@ -95,7 +99,7 @@ pub(crate) fn contraction(
                 }
             }
         }
-        if halves.len() > MOST_PATCHES {
+        if halves.len() > MAX_PATCHES {
             break;
         }
         carrying = halves;
@@ -122,10 +126,10 @@ impl Patch {
     fn halves(self, halving: usize) -> [Patch; 2] {
         let ([s0, s1], [r0, r1]) = (self.s, self.r);
         if halving.is_multiple_of(2) {
-            let cut = s0 + CUT * (s1 - s0);
+            let cut = s0 + POSITION_OF_CUT * (s1 - s0);
             [[s0, cut], [cut, s1]].map(|s| Patch { s, ..self })
         } else {
-            let cut = (r0 * r0 + CUT * (r1 * r1 - r0 * r0)).sqrt();
+            let cut = (r0 * r0 + POSITION_OF_CUT * (r1 * r1 - r0 * r0)).sqrt();
             [[r0, cut], [cut, r1]].map(|r| Patch { r, ..self })
         }
     }

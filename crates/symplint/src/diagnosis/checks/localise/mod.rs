@@ -5,11 +5,9 @@ mod patch;
 mod sectors;
 mod substeps;
 
-pub(super) use halving::{
-    FEWEST_EVALUATIONS as FEWEST_OF_HALVING, MOST_EVALUATIONS as MOST_OF_A_BOUNDARY, contraction,
-};
+pub(super) use halving::{MAX_EVALUATIONS_OF_BOUNDARY, MIN_EVALUATIONS_OF_HALVING, contraction};
 
-pub(super) use sectors::FEWEST_EVALUATIONS as FEWEST_OF_SECTORS;
+pub(super) use sectors::MIN_EVALUATIONS_OF_SECTORS;
 
 use super::random_loops::loop_of_kind;
 use super::{GivenLoop, Runner, failed};
@@ -110,9 +108,7 @@ impl Diagnostic {
             sectors: Vec::new(),
         };
         // Within broken loops there are breaks as well, and a loop that winds bounds no disc.
-        if !broken
-            && !found.winds
-            && subject.evaluator.count().left() >= sectors::FEWEST_EVALUATIONS
+        if !broken && !found.winds && subject.evaluator.count().left() >= MIN_EVALUATIONS_OF_SECTORS
         {
             localisation.sectors = sectors::sectors(subject, &piecewise, h)?;
         }

@@ -11,11 +11,11 @@ use crate::state::Ensemble;
 const SECTORS: usize = 8;
 
 /// A boundary has three sides, and pieces end at its corners.
-const SIDES: usize = 3;
+const SIDES_OF_BOUNDARY: usize = 3;
 
 /// Evaluations that all sectors take at least, where their boundaries are smooth: a first look and 15 states for each
 /// side, checks included.
-pub(crate) const FEWEST_EVALUATIONS: usize = 2 * SECTORS * (12 + 15 * SIDES);
+pub(crate) const MIN_EVALUATIONS_OF_SECTORS: usize = 2 * SECTORS * (12 + 15 * SIDES_OF_BOUNDARY);
 
 /// Integrates round every sector before and after a step of size `h`.
 pub(super) fn sectors(

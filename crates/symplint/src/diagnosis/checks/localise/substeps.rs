@@ -9,12 +9,12 @@ use crate::state::Ensemble;
 
 /// Breaks nearer than this part of the loop are one: a later substep moves states, and no parameter. They are known to
 /// the last double, and to what the rounding of a substep makes of a threshold.
-const ONE_BREAK: f64 = 5e-14;
+const MAX_DISTANCE_OF_SAME_BREAK: f64 = 5e-14;
 
 /// Whether two parameters of the loop are one; it ends where it begins.
 fn is_one(a: f64, b: f64) -> bool {
     let distance = (a - b).abs();
-    distance.min(1.0 - distance) <= ONE_BREAK
+    distance.min(1.0 - distance) <= MAX_DISTANCE_OF_SAME_BREAK
 }
 
 /// Integrates the loop after every substep, in one pass of its samples through all of them.

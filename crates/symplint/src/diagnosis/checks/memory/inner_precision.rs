@@ -13,24 +13,24 @@ use crate::state::{Block, Ensemble, coordinate, coordinate_mut, period};
 const SITES: [f64; 4] = [0.137, 0.291, 0.604, 0.833];
 
 /// Sites of the first test: if none of them shows noise, the second test is left out.
-const FIRST: usize = 2;
+const FIRST_SITES: usize = 2;
 
 /// The points of a site, in units of single precision, by which all coordinates are displaced at once: stairs of any
 /// width up to some of these differ there. On so short a line smooth maps have no sixth difference, and a loop of any
 /// size has one: where it is narrower, the line leaves it.
-const STAIRS: [f64; 10] = [0.0, 1.13, 2.77, 3.83, 5.43, 6.55, 7.8, 9.21, 10.37, 11.86];
+const POINTS_OF_SITE: [f64; 10] = [0.0, 1.13, 2.77, 3.83, 5.43, 6.55, 7.8, 9.21, 10.37, 11.86];
 
 /// Noise of single precision is this part of what rounding makes of a coordinate at least, far above that of
 /// double precision; and at most this multiple of it.
-const PARTS: [f64; 2] = [0.02, 4.0];
+const NOISE_RANGE_IN_ROUNDINGS: [f64; 2] = [0.02, 4.0];
 
 /// The displacements of the last test, in those of the first. Conventional: sixth differences of a wave fall to 4e-6 of themselves, and
 /// a result in single precision still jumps at most sites.
-const CLOSER: f64 = 0.125;
+const DISTANCE_FACTOR_OF_LAST_TEST: f64 = 0.125;
 
 /// Results of single precision differ by less than this part of their rounding, if the same states are advanced in another
 /// order: few sums of a matrix product add up otherwise. Independent noise differs by √2 of itself.
-const OF_OTHER_ORDER: f64 = 0.5;
+const MAX_EFFECT_OF_ORDER: f64 = 0.5;
 
 /// Looks at a few states that are units of single precision apart. Sixth differences of smooth coordinates vanish
 /// there; where most sites of one coordinate show noise as large as single precision makes it, the map works in it.
@@ -57,18 +57,30 @@ pub(super) fn rounding_inside(subject: Subject<'_>, h: f64) -> Result<Option<Vec
     let Some(grain) = grain else {
         return Ok(None);
     };
-    let mut forward = vec![stairs(subject, h, &SITES[..FIRST], &units, |point| point)?];
+    let mut forward = vec![stairs(
+        subject,
+        h,
+        &SITES[..FIRST_SITES],
+        &units,
+        |point| point,
+    )?];
     let mut noise = noise(subject, &forward[0]);
-    let shows = |c: usize, noise: f64| noise > PARTS[0] * grain.of_coordinate(c);
+    let shows = |c: usize, noise: f64| noise > NOISE_RANGE_IN_ROUNDINGS[0] * grain.of_coordinate(c);
     let any = |of: &[f64]| (of.iter().enumerate()).any(|(c, &noise)| shows(c, noise));
     if !noise.iter().any(|of_site| any(of_site)) {
         return Ok(None);
     }
-    forward.push(stairs(subject, h, &SITES[FIRST..], &units, |point| point)?);
+    forward.push(stairs(
+        subject,
+        h,
+        &SITES[FIRST_SITES..],
+        &units,
+        |point| point,
+    )?);
     noise.extend(self::noise(subject, &forward[1]));
     let is_single = |c: usize| {
         let noisy = noise.iter().filter(|of_site| shows(c, of_site[c])).count();
-        let most = PARTS[1] * grain.of_coordinate(c);
+        let most = NOISE_RANGE_IN_ROUNDINGS[1] * grain.of_coordinate(c);
         // The sixth difference at one site may be small. A larger one comes from a break or a kink.
         noisy + 1 >= SITES.len() && noise.iter().all(|of_site| of_site[c] < most)
     };
@@ -81,7 +93,10 @@ pub(super) fn rounding_inside(subject: Subject<'_>, h: f64) -> Result<Option<Vec
         return Ok(None);
     }
     // A unit may be as long as a wave of the map.
-    let closer: Vec<f64> = units.iter().map(|unit| CLOSER * unit).collect();
+    let closer: Vec<f64> = units
+        .iter()
+        .map(|unit| DISTANCE_FACTOR_OF_LAST_TEST * unit)
+        .collect();
     let closer = self::noise(
         subject,
         &stairs(subject, h, &SITES, &closer, |point| point)?,
@@ -93,7 +108,7 @@ pub(super) fn rounding_inside(subject: Subject<'_>, h: f64) -> Result<Option<Vec
     // Random numbers, and what is left from earlier calls, look like rounding.
     let other_order = in_other_order(subject, h, &units, &forward)?;
     let of_sites = |c: usize| noise.iter().map(|of_site| of_site[c].powi(2)).sum::<f64>();
-    let is_other = |&c: &usize| other_order[c] > OF_OTHER_ORDER.powi(2) * of_sites(c);
+    let is_other = |&c: &usize| other_order[c] > MAX_EFFECT_OF_ORDER.powi(2) * of_sites(c);
     if single.iter().any(is_other) {
         return Ok(None);
     }
@@ -109,18 +124,25 @@ fn in_other_order(
     units: &[f64],
     forward: &[Ensemble],
 ) -> Result<Vec<f64>, Error> {
-    let reversed = |point: usize| STAIRS.len() - 1 - point;
+    let reversed = |point: usize| POINTS_OF_SITE.len() - 1 - point;
     let mut sums = vec![0.0; units.len()];
-    for (sites, there) in [&SITES[..FIRST], &SITES[FIRST..]].into_iter().zip(forward) {
+    for (sites, there) in [&SITES[..FIRST_SITES], &SITES[FIRST_SITES..]]
+        .into_iter()
+        .zip(forward)
+    {
         let back = stairs(subject, h, sites, units, reversed)?;
         for (c, sum) in sums.iter_mut().enumerate() {
             let (there, back) = (coordinate(there, c), coordinate(&back, c));
             let period = period(subject.coordinates(), c);
             let squares = there.iter().enumerate().map(|(k, x)| {
-                let (site, point) = (k / STAIRS.len(), k % STAIRS.len());
-                nearest(x - back[site * STAIRS.len() + reversed(point)], period).powi(2)
+                let (site, point) = (k / POINTS_OF_SITE.len(), k % POINTS_OF_SITE.len());
+                nearest(
+                    x - back[site * POINTS_OF_SITE.len() + reversed(point)],
+                    period,
+                )
+                .powi(2)
             });
-            *sum += squares.sum::<f64>() / STAIRS.len() as f64;
+            *sum += squares.sum::<f64>() / POINTS_OF_SITE.len() as f64;
         }
     }
     Ok(sums)
@@ -137,14 +159,17 @@ fn stairs(
     let dof = subject.dof();
     let mut at_sites = Ensemble::zeros(dof, sites.len());
     subject.phase_loop.sample(sites, &mut at_sites.block());
-    Ensemble::check_size(dof, sites.len() * STAIRS.len())?;
-    let mut states = Ensemble::zeros(dof, sites.len() * STAIRS.len());
+    Ensemble::check_size(dof, sites.len() * POINTS_OF_SITE.len())?;
+    let mut states = Ensemble::zeros(dof, sites.len() * POINTS_OF_SITE.len());
     let fill = |first: usize, block: &mut Block<'_>| {
         for (c, unit) in units.iter().enumerate() {
             let centres = coordinate(&at_sites, c);
             for (k, value) in coordinate_mut(block, c).iter_mut().enumerate() {
-                let (site, point) = ((first + k) / STAIRS.len(), (first + k) % STAIRS.len());
-                *value = centres[site] + STAIRS[order(point)] * unit;
+                let (site, point) = (
+                    (first + k) / POINTS_OF_SITE.len(),
+                    (first + k) % POINTS_OF_SITE.len(),
+                );
+                *value = centres[site] + POINTS_OF_SITE[order(point)] * unit;
             }
         }
         Ok(())
@@ -156,15 +181,18 @@ fn stairs(
 /// The root mean square of the sixth differences of each coordinate, at some sites.
 fn noise(subject: Subject<'_>, states: &Ensemble) -> Vec<Vec<f64>> {
     let dof = subject.dof();
-    let differences = SixthDifferences::at(&STAIRS);
+    let differences = SixthDifferences::at(&POINTS_OF_SITE);
     let of_site = |site: usize| {
         let of_coordinate = |c: usize| {
             let period = period(subject.coordinates(), c);
-            let row = &coordinate(states, c)[site * STAIRS.len()..(site + 1) * STAIRS.len()];
+            let row = &coordinate(states, c)
+                [site * POINTS_OF_SITE.len()..(site + 1) * POINTS_OF_SITE.len()];
             let values: Vec<f64> = row.iter().map(|x| nearest(x - row[0], period)).collect();
             differences.root_mean_square(&values)
         };
         (0..2 * dof).map(of_coordinate).collect()
     };
-    (0..states.samples() / STAIRS.len()).map(of_site).collect()
+    (0..states.samples() / POINTS_OF_SITE.len())
+        .map(of_site)
+        .collect()
 }

@@ -1,6 +1,6 @@
 //! Whether stated periods are those of the map: Φ(q + P, p) = Φ(q, p) + (P, 0).
 
-use super::repeats::ROUNDINGS;
+use super::repeats::MAX_ROUNDINGS_OF_ORDER;
 use crate::error::Error;
 use crate::evidence::WrongPeriod;
 use crate::rules::Subject;
@@ -11,13 +11,13 @@ use crate::state::{Block, Ensemble, coordinate, coordinate_mut, period};
 const SITES: usize = 2;
 
 /// Beside each state, others that are displaced by this number of roundings show what rounding does.
-const NUDGES: [f64; 3] = [0.0, -24.0, 40.0];
+const DISPLACEMENTS_IN_ROUNDINGS: [f64; 3] = [0.0, -24.0, 40.0];
 
 /// Coordinates that are moved one by one, at most, to name one of them.
-const MOST_NAMED: usize = 64;
+const MAX_SEPARATE_COORDINATES: usize = 64;
 
 /// States that are advanced each time.
-const STATES: usize = 2 * SITES * NUDGES.len();
+const STATES: usize = 2 * SITES * DISPLACEMENTS_IN_ROUNDINGS.len();
 
 /// Moves a few states of the loop by the periods that the map states, and compares their images, as far as the budget
 /// allows: a period that is not one of the map, if there is any. Moved states at which the map fails, outside a box say,
@@ -39,7 +39,7 @@ pub(in crate::diagnosis::checks) fn wrong_period(
         let Some(difference) = difference(subject, h, &half)? else {
             continue;
         };
-        let mut one_by_one = half.iter().take(MOST_NAMED).map(|&c| {
+        let mut one_by_one = half.iter().take(MAX_SEPARATE_COORDINATES).map(|&c| {
             let alone = self::difference(subject, h, &[c])?;
             Ok::<_, Error>(alone.map(|difference| (c, difference)))
         });
@@ -86,8 +86,12 @@ fn difference(subject: Subject<'_>, h: f64, moved: &[usize]) -> Result<Option<f6
         for (c, shift) in shift.iter().enumerate() {
             let rounding = unit * largest(c);
             for (k, value) in coordinate_mut(block, c).iter_mut().enumerate() {
-                let (k, nudge) = ((first + k) / NUDGES.len(), (first + k) % NUDGES.len());
-                let at = coordinate(&at_sites, c)[k / 2] + NUDGES[nudge] * rounding;
+                let (k, nudge) = (
+                    (first + k) / DISPLACEMENTS_IN_ROUNDINGS.len(),
+                    (first + k) % DISPLACEMENTS_IN_ROUNDINGS.len(),
+                );
+                let at =
+                    coordinate(&at_sites, c)[k / 2] + DISPLACEMENTS_IN_ROUNDINGS[nudge] * rounding;
                 *value = if k % 2 == 1 { at + shift } else { at };
             }
         }
@@ -99,16 +103,16 @@ fn difference(subject: Subject<'_>, h: f64, moved: &[usize]) -> Result<Option<f6
         advanced => advanced?,
     }
     let of_site = |site: usize, c: usize| {
-        let first = 2 * site * NUDGES.len();
-        let row = &coordinate(&states, c)[first..first + 2 * NUDGES.len()];
+        let first = 2 * site * DISPLACEMENTS_IN_ROUNDINGS.len();
+        let row = &coordinate(&states, c)[first..first + 2 * DISPLACEMENTS_IN_ROUNDINGS.len()];
         let apart = |a: usize, b: usize| nearest(row[a] - row[b], period(coordinates, c)).abs();
-        let count = NUDGES.len();
+        let count = DISPLACEMENTS_IN_ROUNDINGS.len();
         let of_period = (0..count).map(|k| apart(count + k, k));
         let least = of_period.fold(f64::INFINITY, f64::min);
         let of_nudges = (1..count).map(|k| apart(k, 0).max(apart(count + k, count)));
         let noise = of_nudges.fold(0.0, f64::max);
         let rounding = unit * (largest(c) + Extent::of(row).magnitude());
-        (least > (ROUNDINGS * rounding).max(SIGNIFICANT * noise)).then_some(least)
+        (least > (MAX_ROUNDINGS_OF_ORDER * rounding).max(SIGNIFICANT * noise)).then_some(least)
     };
     let all = (0..SITES).flat_map(|site| (0..count).filter_map(move |c| of_site(site, c)));
     Ok(all.reduce(f64::max))

@@ -13,23 +13,23 @@ use crate::evidence::{Scatter, ScatterKind};
 use crate::loops::Loop;
 use crate::map::{Evaluator, Witnesses};
 use crate::signal::noise::STEPS_OF_NOISE;
-use crate::signal::{Extent, ROUNDINGS_OF_SINGLE, SINGLE};
+use crate::signal::{BITS_OF_SINGLE, Extent, MAX_ROUNDINGS_OF_SINGLE};
 use crate::state::{Ensemble, coordinate};
 
 /// One in this number of states is advanced alone at the beginning.
-const ALONE: usize = 4;
+const STATES_PER_LONE_STATE: usize = 4;
 
 /// States of a batch that is advanced once more.
-const BATCH_AGAIN: usize = 8;
+const STATES_OF_REPEATED_BATCH: usize = 8;
 
 /// Differences up to this many standard deviations are explained by scatter.
-const EXPLAINED: f64 = 16.0;
+const MAX_DEVIATIONS_OF_SCATTER: f64 = 16.0;
 
 /// The same if the map computes in single precision, or less: sums cancel.
-const ROUNDINGS_OF_FEW_DIGITS: f64 = 64.0;
+const MAX_DEVIATIONS_IN_SINGLE: f64 = 64.0;
 
 /// Rows that differ twice in another order, at least.
-const ROWS_IN_ORDER: usize = 3;
+const MIN_ROWS_CHANGED_BY_ORDER: usize = 3;
 
 /// Results that depend on chance, or on the batch by rounding.
 #[derive(Clone, Debug, PartialEq)]
@@ -113,7 +113,7 @@ pub(super) fn check_purity(
     let first = evaluator.image(phase_loop, h, &s)?;
     let mut repeats = Repeats::of_loop(h, s, before, first);
     let reversed: Vec<usize> = (0..samples).rev().collect();
-    let alone = (0..samples).step_by(ALONE);
+    let alone = (0..samples).step_by(STATES_PER_LONE_STATE);
     let calls: Vec<(Vec<usize>, &'static str)> = [
         (reversed, "in reverse order"),
         (vec![0, 0, 1, 0], "when it is repeated"),
@@ -148,7 +148,7 @@ pub(in crate::diagnosis::checks) fn check_again(
     let orders = |repeats: &Repeats| -> Vec<Vec<usize>> {
         let reversed: Vec<usize> = (0..repeats.before.samples()).rev().collect();
         reversed
-            .chunks(BATCH_AGAIN)
+            .chunks(STATES_OF_REPEATED_BATCH)
             .map(<[usize]>::to_vec)
             .collect()
     };
@@ -232,10 +232,13 @@ fn explain(
         }
     };
     let unexplained = || {
-        let tolerances = sizes.iter().map(|size| EXPLAINED * size).collect();
+        let tolerances = sizes
+            .iter()
+            .map(|size| MAX_DEVIATIONS_OF_SCATTER * size)
+            .collect();
         chance(sizes.clone(), tolerances)
     };
-    if states < 2 || !affords(2 * EVALUATIONS_OF_ROUNDING + scatter::evaluations(states)) {
+    if states < 2 || !affords(2 * MAX_EVALUATIONS_OF_ROUNDING + scatter::evaluations(states)) {
         return unexplained();
     }
     let other = (worst.state + states / 2) % states;
@@ -248,7 +251,10 @@ fn explain(
     match repetitions(evaluator, repeats, worst.state, &tolerances)? {
         Repetitions::Depend(dependence) => return Err(depends(worst, dependence)),
         Repetitions::Scatter(scatters) => {
-            let explained: Vec<f64> = scatters.iter().map(|size| EXPLAINED * size).collect();
+            let explained: Vec<f64> = scatters
+                .iter()
+                .map(|size| MAX_DEVIATIONS_OF_SCATTER * size)
+                .collect();
             raise(&mut tolerances, &explained);
             if worst.size <= explained[worst.coordinate] {
                 return chance(scatters, tolerances);
@@ -270,7 +276,7 @@ fn explain(
 }
 
 /// Evaluations of [`roundings_inside`], at most.
-const EVALUATIONS_OF_ROUNDING: usize = 16;
+const MAX_EVALUATIONS_OF_ROUNDING: usize = 16;
 
 /// The state whose results differ most.
 fn largest(differing: &[Mismatch]) -> Option<Mismatch> {
@@ -297,11 +303,11 @@ fn sizes(evaluator: &Evaluator<'_>, repeats: &Repeats, differing: &[Mismatch]) -
 
 /// Whether noise is larger than rounding in the precision of the map, or in single precision.
 fn exceed_rounding(repeats: &Repeats, sizes: &[f64]) -> bool {
-    let single = 0.5f64.powi(SINGLE as i32);
+    let single = 0.5f64.powi(BITS_OF_SINGLE as i32);
     let unit = repeats.unit_of_results();
     let bar = match unit > single {
-        true => ROUNDINGS_OF_FEW_DIGITS * unit,
-        false => ROUNDINGS_OF_SINGLE * single,
+        true => MAX_DEVIATIONS_IN_SINGLE * unit,
+        false => MAX_ROUNDINGS_OF_SINGLE * single,
     };
     (0..sizes.len()).any(|c| sizes[c] > bar * repeats.magnitude(c))
 }
@@ -366,7 +372,7 @@ fn follows_order(
         twice += of(&|[first, second], tolerance| is_about(first, second, tolerance));
     }
     // Rare noise hits few rows twice.
-    Ok(twice >= ROWS_IN_ORDER && 2 * twice >= once)
+    Ok(twice >= MIN_ROWS_CHANGED_BY_ORDER && 2 * twice >= once)
 }
 
 /// Whether the results of a batch settle if it follows its reverse again and again, and differ, twice alike, if it follows itself. Results

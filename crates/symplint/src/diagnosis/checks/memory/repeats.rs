@@ -2,15 +2,15 @@
 
 use crate::error::Error;
 use crate::map::{Evaluator, Witnesses};
-use crate::signal::{FEW_BITS, SINGLE, binary_digits, nearest};
+use crate::signal::{BITS_OF_SINGLE, FEW_BITS, binary_digits, nearest};
 use crate::state::{Ensemble, coordinate, coordinate_mut, period};
 
 /// Differences below this many roundings are another order of the same arithmetic: vector instructions and
 /// their remainders need not agree to the last bit.
-pub(super) const ROUNDINGS: f64 = 256.0;
+pub(super) const MAX_ROUNDINGS_OF_ORDER: f64 = 256.0;
 
 /// Numbers that are needed to tell.
-const ENOUGH: usize = 8;
+const MIN_NUMBERS: usize = 8;
 
 /// States, and what one call of the map made of them.
 pub(super) struct Repeats {
@@ -159,7 +159,7 @@ impl Repeats {
 
     /// What rounding in double precision makes of each coordinate at most.
     pub fn roundings(&self) -> Vec<f64> {
-        let of = |c: usize| ROUNDINGS * f64::EPSILON * self.magnitude(c);
+        let of = |c: usize| MAX_ROUNDINGS_OF_ORDER * f64::EPSILON * self.magnitude(c);
         (0..2 * self.first.dof()).map(of).collect()
     }
 
@@ -167,7 +167,9 @@ impl Repeats {
     /// single precision inside.
     pub fn unit(&self, evaluator: &Evaluator<'_>) -> f64 {
         match evaluator.rounding_inside() {
-            Some(_) => self.unit_of_results().max(0.5f64.powi(SINGLE as i32 - 1)),
+            Some(_) => self
+                .unit_of_results()
+                .max(0.5f64.powi(BITS_OF_SINGLE as i32 - 1)),
             None => self.unit_of_results(),
         }
     }
@@ -181,7 +183,7 @@ impl Repeats {
         let (count, most) = digits.fold((0, 0), |(count, most), digits| {
             (count + 1, digits.max(most))
         });
-        match count >= ENOUGH && most <= FEW_BITS {
+        match count >= MIN_NUMBERS && most <= FEW_BITS {
             true => 0.5f64.powi(most - 1),
             false => f64::EPSILON,
         }

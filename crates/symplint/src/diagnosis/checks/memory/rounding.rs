@@ -10,14 +10,14 @@ use crate::signal::{nearest, unit};
 use crate::state::{Ensemble, coordinate, coordinate_mut, period};
 
 /// States are moved by this many roundings, so that noise of the map is small compared with the motion.
-const MOVED_BY: f64 = 4096.0;
+const DISPLACEMENT_IN_ROUNDINGS: f64 = 4096.0;
 
 /// Directions in which each state is moved.
 const DIRECTIONS: usize = 6;
 
 /// Results differ by at most this many times what one rounding of the state makes of them: sums in another order, layer
 /// upon layer. Calibrated: stiffness matrices and networks of up to 400 degrees of freedom and 4 layers have 40.
-const ROUNDINGS_INSIDE: f64 = 128.0;
+const MAX_ROUNDINGS_INSIDE: f64 = 128.0;
 
 /// Differences of results in any order of sums, for each coordinate: ε |∂Φ| |z|, by finite differences.
 ///
@@ -42,7 +42,7 @@ pub(super) fn roundings_inside(
                 0 => 0.0,
                 _ => 2.0 * unit(random) - 1.0,
             };
-            *value = row[state] * (1.0 + part * MOVED_BY * relative);
+            *value = row[state] * (1.0 + part * DISPLACEMENT_IN_ROUNDINGS * relative);
         }
     }
     evaluator.advance(&mut moved, repeats.h)?;
@@ -51,7 +51,7 @@ pub(super) fn roundings_inside(
         let row = &coordinate(&moved, c)[first..first + group];
         let period = period(evaluator.coordinates(), c);
         let mut by: Vec<f64> = (row[1..].iter())
-            .map(|x| nearest(x - row[0], period).abs() / MOVED_BY)
+            .map(|x| nearest(x - row[0], period).abs() / DISPLACEMENT_IN_ROUNDINGS)
             .collect();
         by.sort_by(f64::total_cmp);
         by[DIRECTIONS / 2]
@@ -64,6 +64,6 @@ pub(super) fn roundings_inside(
         .map(|c| (by[c] / repeats.magnitude(c)).powi(2))
         .sum();
     let typical = (squares / (2 * dof) as f64).sqrt().max(0.25 * relative);
-    let most = |c: usize| ROUNDINGS_INSIDE * by[c].max(typical * repeats.magnitude(c));
+    let most = |c: usize| MAX_ROUNDINGS_INSIDE * by[c].max(typical * repeats.magnitude(c));
     Ok((0..2 * dof).map(most).collect())
 }

@@ -11,17 +11,17 @@ const REPETITIONS: usize = 8;
 
 /// Means of two histories further apart than this many standard deviations of one value, and changes along all
 /// repetitions, are not random: they have 6 and 3.5 standard deviations.
-const DEVIATIONS: f64 = 3.0;
+const MAX_RANDOM_DEVIATIONS: f64 = 3.0;
 
 /// Repetitions drift if straight lines explain this part of their squares: of independent values with a probability of 1e-6.
-const DRIFT: f64 = 0.9;
+const MIN_PART_OF_DRIFT: f64 = 0.9;
 
 /// Means of repetitions that rounding moves differ by less than single results.
 const PART_OF_MEANS: f64 = 1.0 / 16.0;
 
 /// A batch that is advanced twice depends on its rows if the results of the two differ by less than this part of what they
 /// differ by from row to row.
-const REPRODUCED: f64 = 0.25;
+const MAX_REPRODUCED_DIFFERENCE: f64 = 0.25;
 
 /// Evaluations of the test with this number of states.
 pub(super) fn evaluations(states: usize) -> usize {
@@ -82,12 +82,13 @@ pub(super) fn repetitions(
         // A state that is advanced alone has a separate batch. The median of three differs from the mean of 16 by 0.7
         // standard deviations.
         let differs_alone = deviation <= tolerance
-            && (alone[1] - mean(&values.concat())).abs() > tolerance.max(DEVIATIONS * deviation);
+            && (alone[1] - mean(&values.concat())).abs()
+                > tolerance.max(MAX_RANDOM_DEVIATIONS * deviation);
         let [first, second] = [&twice[0], &twice[1]].map(|states| every_second(states, 1));
         let between = (first.iter().zip(&second)).map(|(a, b)| (a - b).powi(2));
         let within = Line::through(&first).squares;
-        let is_reproduced =
-            within.sqrt() > tolerance && between.sum::<f64>() < 2.0 * within * REPRODUCED.powi(2);
+        let is_reproduced = within.sqrt() > tolerance
+            && between.sum::<f64>() < 2.0 * within * MAX_REPRODUCED_DIFFERENCE.powi(2);
         depends |= !is_random || differs_alone || is_reproduced;
         // The other states were repeated, too.
         let others = [&histories[0], &histories[1]].map(|states| {
@@ -117,10 +118,10 @@ fn chance(values: &[Vec<f64>; 2], tolerance: f64) -> (f64, bool) {
     let lines = values.each_ref().map(|values| Line::through(values));
     let within = lines[0].squares + lines[1].squares;
     let deviation = (within / (2 * (REPETITIONS - 1)) as f64).sqrt();
-    let most = (DEVIATIONS * deviation).max(tolerance * PART_OF_MEANS);
+    let most = (MAX_RANDOM_DEVIATIONS * deviation).max(tolerance * PART_OF_MEANS);
     let drifts = (Line::through(&all).rise.abs() > most)
         || (deviation > tolerance * PART_OF_MEANS
-            && lines[0].explained + lines[1].explained > DRIFT * within);
+            && lines[0].explained + lines[1].explained > MIN_PART_OF_DRIFT * within);
     let depends = (lines[0].mean - lines[1].mean).abs() > most;
     (deviation, !drifts && !depends)
 }

@@ -2,7 +2,10 @@
 
 use nalgebra::DMatrix;
 
-use super::limits::{DEGENERATE, DEGREE, LARGEST_ERROR, NEAR_ONE, NO_ENTRY, ROUNDING, ROUNDS};
+use super::limits::{
+    MAX_DEGENERATE_VALUE, MAX_DEGREE_OF_FIELD, MAX_RELATIVE_ERROR, MAX_ZERO_ENTRY,
+    MIN_ENTRY_NEAR_ONE, MIN_HALF_WIDTH, ROUNDS_OF_UNITS,
+};
 use super::null_space::{Equations, NullSpace, Solutions};
 use crate::evidence::monomial;
 use crate::jacobian::TangentImages;
@@ -194,7 +197,7 @@ fn equations(images: &[TangentImages], coordinates: &[usize], terms: &[Term]) ->
         let (xa, ya, ea, fa) = (along(&after, x), along(&after, y), error(e), error(f));
         let value = xa * y[b] - x[b] * ya - (ux * v[b] - u[b] * vy);
         let terms = (xa * y[b]).abs() + (x[b] * ya).abs() + (ux * v[b]).abs();
-        let rounding = ROUNDING * (terms + (u[b] * vy).abs());
+        let rounding = MIN_HALF_WIDTH * (terms + (u[b] * vy).abs());
         let of_first = ea * (y[b].abs() + f[b]) + xa.abs() * f[b];
         let of_second = e[b] * (ya.abs() + fa) + x[b].abs() * fa;
         (value, of_first + of_second + rounding + f64::MIN_POSITIVE)
@@ -222,9 +225,9 @@ fn weights(images: &[TangentImages], dof: usize, coordinates: &[usize]) -> Fit {
     let largest = norms.iter().copied().fold(0.0, f64::max);
     let mut units: Vec<f64> = norms
         .iter()
-        .map(|norm| (norm / largest).recip().min(1.0 / DEGENERATE))
+        .map(|norm| (norm / largest).recip().min(1.0 / MAX_DEGENERATE_VALUE))
         .collect();
-    for _ in 0..ROUNDS {
+    for _ in 0..ROUNDS_OF_UNITS {
         let space = match equations.solve(&units) {
             Solutions::Space(space) => space,
             Solutions::None { residual } => return Fit::None { change: residual },
@@ -232,7 +235,7 @@ fn weights(images: &[TangentImages], dof: usize, coordinates: &[usize]) -> Fit {
         };
         let Some(groups) = space.groups() else {
             // A weight is 0 in all solutions, to within its error.
-            return match space.errors.iter().all(|error| *error < LARGEST_ERROR) {
+            return match space.errors.iter().all(|error| *error < MAX_RELATIVE_ERROR) {
                 true => Fit::Degenerate,
                 false => Fit::Open,
             };
@@ -245,7 +248,10 @@ fn weights(images: &[TangentImages], dof: usize, coordinates: &[usize]) -> Fit {
             .iter()
             .map(|&(group, value)| value / largest(group))
             .collect();
-        if factors.iter().all(|factor| factor.abs() >= NEAR_ONE) {
+        if factors
+            .iter()
+            .all(|factor| factor.abs() >= MIN_ENTRY_NEAR_ONE)
+        {
             let entry = |k: usize| {
                 let (group, value) = groups[k];
                 Entry {
@@ -258,7 +264,7 @@ fn weights(images: &[TangentImages], dof: usize, coordinates: &[usize]) -> Fit {
             return Fit::Preserved((0..terms.len()).map(entry).collect());
         }
         for (unit, factor) in units.iter_mut().zip(factors) {
-            *unit *= factor.abs().max(DEGENERATE);
+            *unit *= factor.abs().max(MAX_DEGENERATE_VALUE);
         }
     }
     Fit::Open
@@ -273,7 +279,7 @@ fn general(images: &[TangentImages], dof: usize, coordinates: &[usize]) -> Fit {
     let equations = equations(images, coordinates, &terms);
     let place = |c: usize| coordinates.iter().position(|of| *of == c).unwrap_or(0);
     let mut scale = vec![1.0; coordinates.len()];
-    for round in 0..ROUNDS {
+    for round in 0..ROUNDS_OF_UNITS {
         let units: Vec<f64> = (pairs.iter())
             .map(|&(a, b)| scale[place(a)] * scale[place(b)])
             .collect();
@@ -302,11 +308,11 @@ fn general(images: &[TangentImages], dof: usize, coordinates: &[usize]) -> Fit {
         };
         let largest = |k: usize| matrix(&form).row(k).amax();
         let factors: Vec<f64> = (0..coordinates.len()).map(largest).collect();
-        if factors.iter().all(|x| *x >= NEAR_ONE) || round + 1 == ROUNDS {
+        if factors.iter().all(|x| *x >= MIN_ENTRY_NEAR_ONE) || round + 1 == ROUNDS_OF_UNITS {
             return Fit::Preserved(entries(&form, &space, &terms, &units));
         }
         for (scale, factor) in scale.iter_mut().zip(factors) {
-            *scale *= factor.sqrt().max(DEGENERATE);
+            *scale *= factor.sqrt().max(MAX_DEGENERATE_VALUE);
         }
     }
     Fit::Open
@@ -335,7 +341,11 @@ pub(super) fn with_field(images: &[TangentImages], dof: usize) -> Fit {
     let canonical: Vec<f64> = (0..terms.len())
         .map(|k| if k < dof { 1.0 } else { 0.0 })
         .collect();
-    let is_form = |form: &Vec<f64>| form[..dof].iter().all(|weight| weight.abs() > DEGENERATE);
+    let is_form = |form: &Vec<f64>| {
+        form[..dof]
+            .iter()
+            .all(|weight| weight.abs() > MAX_DEGENERATE_VALUE)
+    };
     match candidates(&space, &canonical).into_iter().find(is_form) {
         Some(form) => Fit::Preserved(entries(&form, &space, &terms, &units)),
         None => Fit::Open,
@@ -344,16 +354,16 @@ pub(super) fn with_field(images: &[TangentImages], dof: usize) -> Fit {
 
 /// All powers of the first coordinates of at most the largest degree.
 fn powers(dof: usize) -> impl Iterator<Item = [u8; 3]> {
-    let up_to = move |i: usize| 0..=if i < dof { DEGREE } else { 0 };
+    let up_to = move |i: usize| 0..=if i < dof { MAX_DEGREE_OF_FIELD } else { 0 };
     let all =
         up_to(0).flat_map(move |a| up_to(1).flat_map(move |b| up_to(2).map(move |c| [a, b, c])));
-    all.filter(|powers| powers.iter().sum::<u8>() <= DEGREE)
+    all.filter(|powers| powers.iter().sum::<u8>() <= MAX_DEGREE_OF_FIELD)
 }
 
 /// The terms of a form that are not 0.
 fn entries(form: &[f64], space: &NullSpace, terms: &[Term], units: &[f64]) -> Vec<Entry> {
     let most = form.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
-    let (errors, part) = NO_ENTRY;
+    let (errors, part) = MAX_ZERO_ENTRY;
     let is_entry = |&k: &usize| form[k].abs() > (errors * space.errors[k]).max(part * most);
     let entry = |k: usize| Entry {
         term: terms[k],
@@ -380,7 +390,7 @@ pub(super) fn are_equal(images: &[TangentImages]) -> bool {
             .zip(pair[1].errors.iter().flatten());
         let mut both = values.zip(errors);
         both.all(|((a, b), (of_a, of_b))| {
-            (a - b).abs() <= of_a + of_b + ROUNDING * (a.abs() + b.abs())
+            (a - b).abs() <= of_a + of_b + MIN_HALF_WIDTH * (a.abs() + b.abs())
         })
     })
 }
@@ -410,5 +420,5 @@ fn is_degenerate(matrix: &DMatrix<f64>) -> bool {
         return true;
     }
     let singular = matrix.clone().singular_values();
-    singular.min() <= DEGENERATE * singular.max()
+    singular.min() <= MAX_DEGENERATE_VALUE * singular.max()
 }

@@ -1,6 +1,6 @@
 //! Whether the matrix of a linear map was rounded to few digits.
 
-use super::limits::{COINCIDENCE, DIGITS_OF_MATRIX, ROUNDED_WITHIN};
+use super::limits::{DIGITS_OF_MATRIX, MIN_SAVED_DIGITS, ROUNDED_WITHIN};
 use crate::evidence::DigitsOfMatrix;
 use crate::jacobian::TangentImages;
 use crate::state::Coordinates;
@@ -36,7 +36,7 @@ pub(super) fn digits(
                 continue;
             }
             entries += 1;
-            if unit >= 10f64.powf(COINCIDENCE) * error {
+            if unit >= 10f64.powf(MIN_SAVED_DIGITS) * error {
                 resolved += 1;
                 if (value - rounded).abs() > error {
                     return false;

@@ -10,8 +10,8 @@ mod rounded;
 
 use fit::{Entry, Fit, Term};
 use limits::{
-    DOFS_OF_FIELD, FURTHER_VECTORS, LARGEST_ERROR, LARGEST_ERROR_OF_JACOBIAN, MOST_EVALUATIONS,
-    MOST_OF_ALL, MOST_OF_WEIGHTS, MOST_SAMPLES, SEED_OF_REFINING, STATES,
+    DOFS_OF_FIELD, EXTRA_VECTORS, MAX_DOF_OF_ALL_FORMS, MAX_DOF_OF_WEIGHTS, MAX_EVALUATIONS,
+    MAX_RELATIVE_ERROR, MAX_RELATIVE_ERROR_OF_JACOBIAN, MAX_SAMPLES, SEED_OF_REFINING, STATES,
 };
 use on_loops::AdvancedLoop;
 
@@ -45,14 +45,14 @@ impl Runner<'_> {
         let is_wanted = self.diagnostic.jacobian && self.diagnostic.properties;
         if !(is_wanted && is_smooth && is_defined)
             || given.probe.is_beyond_memory()
-            || subject.dof() > MOST_OF_WEIGHTS
+            || subject.dof() > MAX_DOF_OF_WEIGHTS
             || self.changed_loop().is_none()
             || of_jacobian.is_some_and(|of| !JacobianEvidence::shows_defect(of))
         {
             return Ok(());
         }
         let (dof, h) = (subject.dof(), self.largest);
-        let all_constant = dof <= MOST_OF_ALL;
+        let all_constant = dof <= MAX_DOF_OF_ALL_FORMS;
         let Some(images) = self.columns(subject, given, images)? else {
             self.omit(Check::PreservedForm, Why::BUDGET);
             return Ok(());
@@ -125,11 +125,11 @@ impl Runner<'_> {
             entries.iter().all(|entry| entry.relative_error() <= error)
         };
         let holds = |entries: &[FormEntry]| {
-            is_known(entries, LARGEST_ERROR)
+            is_known(entries, MAX_RELATIVE_ERROR)
                 && fit::holds(images, dof, &rounded::in_units(entries, &size))
         };
         let exact = rounded::in_coordinates(of_fit, &size);
-        if !is_known(&exact, LARGEST_ERROR_OF_JACOBIAN) {
+        if !is_known(&exact, MAX_RELATIVE_ERROR_OF_JACOBIAN) {
             return Ok(None);
         }
         let chosen = rounded::rounded(&exact, dof, None);
@@ -149,11 +149,11 @@ impl Runner<'_> {
         mut images: Vec<TangentImages>,
     ) -> Result<Option<Vec<TangentImages>>, Error> {
         let dof = subject.dof();
-        let (states, random) = match dof <= MOST_OF_ALL {
+        let (states, random) = match dof <= MAX_DOF_OF_ALL_FORMS {
             true => (STATES, None),
             false => {
                 images.clear();
-                let vectors = (2.0 * dof as f64).sqrt().ceil() as usize + FURTHER_VECTORS;
+                let vectors = (2.0 * dof as f64).sqrt().ceil() as usize + EXTRA_VECTORS;
                 (STATES - 1, Some(vectors))
             }
         };
@@ -166,7 +166,7 @@ impl Runner<'_> {
                 ..JacobianTest::default()
             };
             let cost = test.evaluations(dof, false);
-            let left = self.count.left().min(MOST_EVALUATIONS);
+            let left = self.count.left().min(MAX_EVALUATIONS);
             if cost + FEW_SAMPLES > left {
                 return Ok(None);
             }
@@ -197,7 +197,7 @@ impl Runner<'_> {
     ) -> Result<Option<Vec<FormEntry>>, Error> {
         let coordinates = subject.coordinates();
         // The weights of that many degrees of freedom need no more.
-        let loops = entries.len().min(MOST_OF_ALL);
+        let loops = entries.len().min(MAX_DOF_OF_ALL_FORMS);
         // One entry alone has the unit of its group.
         if entries.len() < 2 || (loops + 2) * FEW_SAMPLES > self.count.left() {
             return Ok(None);
@@ -228,7 +228,7 @@ impl Runner<'_> {
         };
         let mut changes = Vec::new();
         for found in self.evidence.loops.iter().filter(counts).take(2) {
-            let left = self.count.left().min(MOST_SAMPLES);
+            let left = self.count.left().min(MAX_SAMPLES);
             if left < FEW_SAMPLES {
                 break;
             }

@@ -1,11 +1,13 @@
 //! The entries of a form in the coordinates of the map, as a person would write them.
 
-use super::limits::{COINCIDENCE, COINCIDENCE_OF_MEAN, FURTHER_DIGITS, MOST_UNITS, ROUNDED_WITHIN};
+use super::limits::{
+    EXTRA_DIGITS, MAX_UNITS, MIN_MEAN_SAVED_DIGITS, MIN_SAVED_DIGITS, ROUNDED_WITHIN,
+};
 use super::{Entry, Term};
 use crate::evidence::{FormEntry, monomial};
 
 /// Digits of doubles.
-const ALL_DIGITS: usize = 17;
+const DIGITS_OF_DOUBLES: usize = 17;
 
 /// The entries of a form in units of the loop, `size`, in the coordinates of the map.
 pub(super) fn in_coordinates(entries: &[Entry], size: &[f64]) -> Vec<FormEntry> {
@@ -61,9 +63,9 @@ pub(super) fn rounded(
         let are_short = are_short(&numbers);
         for (k, number) in of_group.into_iter().zip(numbers) {
             let saved = number.saved();
-            let is_short = saved >= COINCIDENCE || are_short && saved >= COINCIDENCE_OF_MEAN;
+            let is_short = saved >= MIN_SAVED_DIGITS || are_short && saved >= MIN_MEAN_SAVED_DIGITS;
             let of_loops = resolution.map(|of| -of.max(f64::EPSILON).log10().floor());
-            let digits = of_loops.unwrap_or(number.supported.max(0.0) + FURTHER_DIGITS);
+            let digits = of_loops.unwrap_or(number.supported.max(0.0) + EXTRA_DIGITS);
             rounded[k].error = number.error;
             rounded[k].value = match is_short {
                 true => number.shortest,
@@ -90,10 +92,10 @@ impl Number {
     fn new(value: f64, relative_error: f64) -> Self {
         let error = value.abs() * relative_error;
         let within = |rounded: &f64| (rounded - value).abs() <= ROUNDED_WITHIN * error;
-        let shortest = (1..=ALL_DIGITS)
+        let shortest = (1..=DIGITS_OF_DOUBLES)
             .map(|digits| (with_digits(value, digits), digits))
             .find(|(rounded, _)| within(rounded));
-        let (shortest, digits) = shortest.unwrap_or((value, ALL_DIGITS));
+        let (shortest, digits) = shortest.unwrap_or((value, DIGITS_OF_DOUBLES));
         Number {
             value,
             error,
@@ -117,7 +119,7 @@ impl Number {
 fn are_short(numbers: &[Number]) -> bool {
     let others = || numbers.iter().filter(|of| of.error > 0.0);
     let saved: f64 = others().map(Number::saved).sum();
-    saved >= (2.0 * COINCIDENCE).max(COINCIDENCE_OF_MEAN * others().count() as f64)
+    saved >= (2.0 * MIN_SAVED_DIGITS).max(MIN_MEAN_SAVED_DIGITS * others().count() as f64)
 }
 
 /// The entries of a group in units of one of them.
@@ -140,9 +142,9 @@ fn in_best_unit(entries: &[FormEntry], of_group: &[usize], dof: usize) -> Option
         };
         of_group.iter().map(number).collect()
     };
-    units.take(MOST_UNITS).map(in_unit).min_by_key(|numbers| {
+    units.take(MAX_UNITS).map(in_unit).min_by_key(|numbers| {
         // Digits of numbers that are not short mean nothing.
-        let digits: usize = match numbers.iter().all(|of| of.saved() >= COINCIDENCE_OF_MEAN) {
+        let digits: usize = match numbers.iter().all(|of| of.saved() >= MIN_MEAN_SAVED_DIGITS) {
             true => numbers.iter().map(|of| of.digits).sum(),
             false => usize::MAX,
         };
@@ -153,7 +155,7 @@ fn in_best_unit(entries: &[FormEntry], of_group: &[usize], dof: usize) -> Option
 }
 
 fn with_digits(value: f64, digits: usize) -> f64 {
-    let decimals = digits.clamp(1, ALL_DIGITS) - 1;
+    let decimals = digits.clamp(1, DIGITS_OF_DOUBLES) - 1;
     format!("{value:.decimals$e}").parse().unwrap_or(value)
 }
 

@@ -21,14 +21,14 @@ use crate::state::Ensemble;
 use crate::survey;
 
 /// Random loops for each group of degrees of freedom but the first.
-pub(super) const LOOPS_OF_GROUP: usize = 2;
+pub(super) const LOOPS_PER_GROUP: usize = 2;
 
 /// Random loops of an ample budget where the given loop breaks.
 const LOOPS_BESIDE_BREAKS: usize = 2;
 
 /// Loops are sure to be measured if all of them take no more than this part of the remaining budget: the first one
 /// may need more than the given one did.
-const SURE_PART: usize = 2;
+const SURE_PART_OF_BUDGET: usize = 2;
 
 /// A loop besides the given one.
 pub(super) struct LoopToTry {
@@ -72,7 +72,7 @@ impl Runner<'_> {
                 })
                 .collect();
             // In loops that move all, the group of the largest actions is what shows.
-            let of_groups = (1..groups.len()).flat_map(|group| [group; LOOPS_OF_GROUP]);
+            let of_groups = (1..groups.len()).flat_map(|group| [group; LOOPS_PER_GROUP]);
             others.extend(of_groups.enumerate().map(|(k, group)| LoopToTry {
                 index: diagnostic.loops + 1 + k,
                 kind: LoopKind::Group,
@@ -136,7 +136,8 @@ impl Runner<'_> {
     /// The number of further loops that are measured whatever they show, if each takes `of_loop` evaluations: those
     /// before which [`is_settled`](Self::is_settled) is false.
     fn sure_loops(&self, of_loop: usize) -> usize {
-        self.needed_loops().min(self.left() / SURE_PART / of_loop)
+        self.needed_loops()
+            .min(self.left() / SURE_PART_OF_BUDGET / of_loop)
     }
 
     /// The same if the budget were large enough.

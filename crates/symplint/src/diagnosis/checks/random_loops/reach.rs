@@ -2,14 +2,16 @@
 
 use super::loop_of_kind;
 use crate::diagnosis::checks::{GivenLoop, Runner, if_possible};
-use crate::diagnosis::limits::{LARGER, LOOKED_AT, MOST_HALVINGS, MOST_LARGER};
+use crate::diagnosis::limits::{
+    FACTOR_OF_LARGER_LOOPS, MAX_HALVINGS_OF_LARGER_STEP, MAX_LARGER_LOOPS, SAMPLES_PER_STEP_SIZE,
+};
 use crate::diagnosis::resolve::initial_samples::InitialSamples;
 use crate::diagnosis::step_sizes::step_sizes;
 use crate::error::Error;
 use crate::evidence::{LoopEvidence, LoopKind, Motion, Reach};
 use crate::map::LoopSize;
 use crate::rules::Subject;
-use crate::signal::ROUNDING_INSIDE;
+use crate::signal::MAX_ROUNDING_INSIDE;
 
 impl Runner<'_> {
     /// A random loop after a larger step, or a larger loop for a map without a step size, if no loop shows a defect or moves
@@ -32,7 +34,7 @@ impl Runner<'_> {
             return Ok(());
         };
         // Evaluations for the search alone would be lost to the Jacobian.
-        if self.left() < given.cost + LOOKED_AT {
+        if self.left() < given.cost + SAMPLES_PER_STEP_SIZE {
             return Ok(());
         }
         let found = match diagnostic.has_step_size {
@@ -52,14 +54,14 @@ impl Runner<'_> {
         motion: Motion,
     ) -> Result<Option<Reach>, Error> {
         let octaves = match motion.shear {
-            true if motion.deformation < ROUNDING_INSIDE => return Ok(None),
+            true if motion.deformation < MAX_ROUNDING_INSIDE => return Ok(None),
             true => -motion.deformation.log2().ceil(),
             false => 0.0,
         };
         let start = self.largest * octaves.max(0.0).exp2();
         let largest = step_sizes(subject, start)?.first().copied();
         let mut h = largest.unwrap_or(self.largest);
-        for _ in 0..MOST_HALVINGS {
+        for _ in 0..MAX_HALVINGS_OF_LARGER_STEP {
             if h.abs() <= self.largest.abs() {
                 break;
             }
@@ -79,8 +81,8 @@ impl Runner<'_> {
         given: &GivenLoop<'_>,
     ) -> Result<Option<Reach>, Error> {
         let mut last = None;
-        for k in 1..=MOST_LARGER {
-            let factor = LARGER.powi(k as i32);
+        for k in 1..=MAX_LARGER_LOOPS {
+            let factor = FACTOR_OF_LARGER_LOOPS.powi(k as i32);
             let mut size = given.size.clone();
             size.radius
                 .iter_mut()
