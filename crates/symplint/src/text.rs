@@ -1,5 +1,7 @@
 //! Numbers and names as sentences write them.
 
+use crate::signal::UNEXPLAINED;
+
 /// A step size as people write it: all digits if it has four at most, and three of any other.
 pub fn size(h: f64) -> String {
     let rounded = |text: String| text.parse().unwrap_or(h);
@@ -139,9 +141,6 @@ pub(crate) fn significant(value: f64) -> String {
 /// Digits of a number that people read.
 const MAX_DIGITS: i32 = 8;
 
-/// A number that differs from a round one by less than this many times its uncertainty is written as the round one. Conventional.
-const OF_A_ROUND_NUMBER: f64 = 3.0;
-
 /// A factor and its uncertainty; one of which fewer than two digits of the change would be left, by its change: `1 − 4.112e-12 ± 3e-15`.
 pub(crate) fn factor(value: f64, uncertainty: f64) -> String {
     let change = value - 1.0;
@@ -174,11 +173,11 @@ pub(crate) fn with_uncertainty(value: f64, uncertainty: f64) -> String {
         };
         return format!("{number} ± {error}");
     }
-    // A round number, within a few times its error, needs no more digits.
+    // A round number that the error explains needs no more digits.
     let round: f64 = format!("{value:.*e}", MAX_DIGITS as usize - 1)
         .parse()
         .unwrap_or(value);
-    if (round - value).abs() <= OF_A_ROUND_NUMBER * uncertainty.abs() {
+    if (round - value).abs() <= UNEXPLAINED * uncertainty.abs() {
         let number = match has_exponent {
             true => format!("{round:e}"),
             false => format!("{round}"),

@@ -28,7 +28,7 @@ pub use point::{BreakAt, Point, Sweep};
 pub use preserved_form::{DigitsOfMatrix, FormEntry, FormOnLoop, PreservedForm};
 pub(crate) use preserved_form::{monomial, uncertain_part};
 pub use step::{Closing, JumpingCells, StepEvidence, Wrap};
-pub(crate) use step::{MAX_BOUND, MAX_CELLS_BETWEEN_SAMPLES, UNEXPLAINED};
+pub(crate) use step::{MAX_BOUND, MAX_CELLS_BETWEEN_SAMPLES};
 pub use structure::{EnergyAtStep, EnergyChange, ReturnDefect, StructureEvidence};
 pub use survey::{
     HeldCoordinate, OutputFormat, OutputPrecision, Rank, Scatter, ScatterKind, SingularJacobian,

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::Motion;
 use crate::breaks::Break;
 use crate::rules::{Defect, RuleKind};
-use crate::signal::SIGNIFICANT;
+use crate::signal::{SIGNIFICANT, UNEXPLAINED};
 
 /// The loop integral before and after one step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -92,9 +92,6 @@ pub struct Wrap {
     /// The range, which a period would have to be.
     pub period: f64,
 }
-
-/// A defect this many times its uncertainty is not explained by it. Conventional, as above.
-pub(crate) const UNEXPLAINED: f64 = 3.0;
 
 /// Samples further apart than this many cells of the map's grid, or half periods, do not resolve them: what
 /// they show is not the map. Nyquist's limit: two samples to a cell.

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::constants::CONSTANTS;
-use crate::signal::SIGNIFICANT;
+use crate::signal::{NEGLIGIBLE, SIGNIFICANT};
 
 /// By which method a Jacobian test computes derivatives.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -189,9 +189,6 @@ pub struct DefectBlocks {
 }
 
 impl BlockDefects {
-    /// A block is 0 if its bound is this part of the largest entry. Conventional: three digits.
-    const ZERO: f64 = 1e-3;
-
     /// The largest entry.
     pub(crate) fn largest(&self) -> f64 {
         self.sizes.into_iter().fold(0.0, f64::max)
@@ -199,14 +196,14 @@ impl BlockDefects {
 
     /// Whether the entries of positions, of both and of momenta are 0.
     pub(crate) fn zeros(&self) -> [bool; 3] {
-        let least = Self::ZERO * self.largest();
+        let least = NEGLIGIBLE * self.largest();
         std::array::from_fn(|k| self.sizes[k] == 0.0 && self.bounds[k] <= least)
     }
 
     /// The degrees of freedom that carry the whole defect, if there are others.
     pub(crate) fn carriers(&self) -> Option<&[usize]> {
         let others = self.bound_of_others;
-        (others > 0.0 && others <= Self::ZERO * self.largest()).then_some(&self.dofs)
+        (others > 0.0 && others <= NEGLIGIBLE * self.largest()).then_some(&self.dofs)
     }
 }
 

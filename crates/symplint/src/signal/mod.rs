@@ -48,3 +48,12 @@ pub(crate) const MAX_ROUNDING_INSIDE: f64 = 1.5e-8;
 /// Conventional. Uncertainties are estimates of systematic errors, not standard deviations: in the truth table
 /// true errors exceed them by a factor of three at most.
 pub(crate) const SIGNIFICANT: f64 = 10.0;
+
+/// A defect this many times its uncertainty needs no second measurement. Conventional: significant by another factor of ten.
+pub(crate) const CERTAIN: f64 = SIGNIFICANT * SIGNIFICANT;
+
+/// A difference of more than this many times its uncertainty is not explained by it. Conventional, as for [`SIGNIFICANT`].
+pub(crate) const UNEXPLAINED: f64 = 3.0;
+
+/// A part of a quantity that counts as zero when quantities are compared. Conventional: three digits.
+pub(crate) const NEGLIGIBLE: f64 = 1e-3;

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use super::in_parallel;
-use super::rows::VALUES_OF_PAGE;
+use super::rows::{CACHE_LINE, VALUES_OF_PAGE};
 use crate::error::{Error, LOOK_AT_MAP, StateAt};
 use crate::signal::unwrap_row;
 use crate::state::{Block, Coordinates};
@@ -28,10 +28,8 @@ pub struct Ensemble {
 
 /// Distance between rows of `samples` values that does not alias in the caches.
 fn row_stride(samples: usize) -> usize {
-    /// Values in a cache line.
-    const LINE: usize = 8;
     if samples.is_multiple_of(VALUES_OF_PAGE) {
-        samples + LINE
+        samples + CACHE_LINE
     } else {
         samples
     }

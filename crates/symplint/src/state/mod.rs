@@ -11,5 +11,6 @@ pub use block::Block;
 pub use coordinates::Coordinates;
 pub use ensemble::Ensemble;
 pub(crate) use ensemble::*;
+pub(crate) use rows::CACHE_LINE;
 pub use rows::{Rows, RowsMut};
 pub(crate) use threads::{each_in_parallel, in_parallel};

@@ -7,6 +7,9 @@
 
 use std::marker::PhantomData;
 
+/// Values of a cache line.
+pub(crate) const CACHE_LINE: usize = 8;
+
 /// Values of a page of memory.
 pub(super) const VALUES_OF_PAGE: usize = 512;
 

@@ -3,9 +3,9 @@
 use serde::{Deserialize, Serialize};
 
 use super::VerdictKind;
-use crate::evidence::{MAX_BOUND, MIN_DEFORMATION, UNEXPLAINED};
+use crate::evidence::{MAX_BOUND, MIN_DEFORMATION};
 use crate::jacobian::{JacobianEvidence, JacobianMethod, TangentDefect};
-use crate::signal::SIGNIFICANT;
+use crate::signal::{SIGNIFICANT, UNEXPLAINED};
 
 /// The answer of a Jacobian test alone.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

@@ -15,7 +15,7 @@ use super::jacobian::{JacobianVerdict, compare_jacobian};
 use super::order::{Fit, clear, fit_order, known_data, leaves};
 use super::properties::{Property, properties};
 use super::slope::{constant_defect, slope_of, smallest_steps_slope};
-use super::thresholds::{FAR, MAX_ORDER, MAX_UNCONFIRMED_DEFECT, MIN_TREND};
+use super::thresholds::{MAX_ORDER, MAX_UNCONFIRMED_DEFECT, MIN_TREND};
 use super::{Verdict, VerdictKind, long_time};
 use crate::evidence::{
     Check, Evidence, LoopEvidence, LoopKind, MIN_STEP_SIZES_OF_LAW, Motion, Omission, Origin,
@@ -23,7 +23,7 @@ use crate::evidence::{
 };
 use crate::jacobian::JacobianDecay;
 use crate::rules::Defect;
-use crate::signal::SIGNIFICANT;
+use crate::signal::{CERTAIN, SIGNIFICANT};
 
 /// Computes the verdict. Pure: the same evidence gives the same verdict, from any source.
 ///
@@ -367,7 +367,7 @@ impl<'a> Case<'a> {
         let reach = broken.map(|(_, step)| known(step)).fold(0.0, f64::max);
         let changes = |step: &&StepEvidence| {
             let closed = step.closing.map_or(step.defect, |closing| closing.closed);
-            let least = |of: Defect| FAR * (of.uncertainty() + reach);
+            let least = |of: Defect| CERTAIN * (of.uncertainty() + reach);
             !step.misses_the_grid()
                 && step.defect.magnitude() > least(step.defect)
                 && closed.magnitude() > least(closed)
@@ -491,7 +491,7 @@ impl<'a> Case<'a> {
         (self.loops.iter().filter(|found| !found.winds)).any(|found| {
             let significant = || found.steps.iter().filter(|step| step.is_significant());
             let far =
-                |step: &StepEvidence| step.defect.magnitude() > FAR * step.defect.uncertainty();
+                |step: &StepEvidence| step.defect.magnitude() > CERTAIN * step.defect.uncertainty();
             significant().count() >= 2 || significant().any(far)
         })
     }

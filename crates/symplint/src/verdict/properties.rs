@@ -10,10 +10,9 @@ use super::long_time::{Growth, growth_of_energy};
 use super::thresholds::MAX_DISTANCE_TO_WHOLE;
 use crate::evidence::{
     EnergyAtStep, EnergyInTime, Evidence, LoopEvidence, MAX_BOUND, StepEvidence, StructureEvidence,
-    UNEXPLAINED,
 };
 use crate::jacobian::TangentDefect;
-use crate::signal::SIGNIFICANT;
+use crate::signal::{SIGNIFICANT, UNEXPLAINED};
 use crate::text::{self, one_digit, two_digits, with_uncertainty};
 
 /// A property of a map.

@@ -2,8 +2,9 @@
 
 use super::order::{Datum, Fit, clear, known_data, local_slope, sign_of_steps};
 use super::thresholds::{MAX_ERROR_OF_SLOPE, MAX_ORDER, MIN_TREND};
-use crate::evidence::{Evidence, LoopEvidence, MIN_RANGE_OF_LAW, UNEXPLAINED};
+use crate::evidence::{Evidence, LoopEvidence, MIN_RANGE_OF_LAW};
 use crate::jacobian::JacobianDecay;
+use crate::signal::UNEXPLAINED;
 
 /// The slope of log |E| over log h between the two smallest steps where the defect is clear of its uncertainty.
 pub(super) fn smallest_steps_slope(evidence: &LoopEvidence) -> Option<f64> {

@@ -6,12 +6,8 @@
 pub(super) const MAX_STEP_FACTOR: f64 = 1e6;
 
 /// A defect below this without a law in h has to be confirmed, at a second step size or by
-/// [`FAR`]: rounding inside a map can be systematic to some units in the last place.
+/// [`CERTAIN`](crate::signal::CERTAIN): rounding inside a map can be systematic to some units in the last place.
 pub(super) const MAX_UNCONFIRMED_DEFECT: f64 = 1e-10;
-
-/// One defect this many times its uncertainty confirms itself. Conventional: ten times the ratio that is
-/// asked of two step sizes.
-pub(super) const FAR: f64 = 100.0;
 
 /// Radii whose ratio differs by this factor from the ratio of the motion are not in its units. Conventional: loops that
 /// people choose are within a factor of a hundred.

@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf};
 
 /// The modules of this crate, from the ground up: each may import from those before it.
 const MODULES: [&str; 17] = [
+    "signal",
     "text",
     "error",
-    "signal",
     "state",
     "loops",
     "map",

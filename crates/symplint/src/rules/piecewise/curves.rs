@@ -8,7 +8,7 @@ use crate::breaks::displace;
 use crate::error::{Error, StateAt};
 use crate::loops::Loop;
 use crate::map::Evaluator;
-use crate::state::{Block, Ensemble, in_parallel};
+use crate::state::{Block, CACHE_LINE, Ensemble, in_parallel};
 
 /// One step of a map, and the curves that are sent through it.
 pub(super) struct Curves<'a> {
@@ -217,16 +217,14 @@ impl Curves<'_> {
 fn append_states(images: &mut [Vec<f64>], block: &Block<'_>) {
     /// Samples that are taken out of the rows together: four cache lines of a row, which lie one after the other.
     const SAMPLES_TOGETHER: usize = 32;
-    /// Coordinates that are put into their states together: a cache line of each.
-    const LINE: usize = 8;
     let tables = [block.q.as_rows(), block.p.as_rows()];
     let rows: Vec<&[f64]> = (tables.iter())
         .flat_map(|rows| (0..rows.count()).map(|i| rows.row(i)))
         .collect();
-    let mut tile = [[0.0; LINE]; SAMPLES_TOGETHER];
+    let mut tile = [[0.0; CACHE_LINE]; SAMPLES_TOGETHER];
     for (together, images) in images.chunks_mut(SAMPLES_TOGETHER).enumerate() {
         let first = together * SAMPLES_TOGETHER;
-        for rows in rows.chunks(LINE) {
+        for rows in rows.chunks(CACHE_LINE) {
             for (i, row) in rows.iter().enumerate() {
                 let values = &row[first..first + images.len()];
                 (tile.iter_mut().zip(values)).for_each(|(line, value)| line[i] = *value);
@@ -234,7 +232,7 @@ fn append_states(images: &mut [Vec<f64>], block: &Block<'_>) {
             for (image, line) in images.iter_mut().zip(&tile) {
                 match rows.len() {
                     // Of a known length, it is two instructions.
-                    LINE => image.extend_from_slice(line),
+                    CACHE_LINE => image.extend_from_slice(line),
                     rest => image.extend_from_slice(&line[..rest]),
                 }
             }

@@ -6,18 +6,15 @@ use super::limits::CHECKS;
 use super::lobatto::{DEGREE, LOBATTO, NODES, POINTS};
 use super::piece::Piece;
 use crate::signal::nearest;
-use crate::state::{Coordinates, period};
+use crate::state::{CACHE_LINE, Coordinates, period};
 
-/// Coordinates that are read together: a cache line of each state.
-const LINE: usize = 8;
-
-/// The values of some coordinates at all points.
-pub(super) type Tile = [[f64; POINTS]; LINE];
+/// The values of coordinates that share a cache line of each state, at all points.
+pub(super) type Tile = [[f64; POINTS]; CACHE_LINE];
 
 /// The coordinates of each tile.
 pub(super) fn tiles(coordinates: Range<usize>) -> impl Iterator<Item = Range<usize>> {
     let end = coordinates.end;
-    (coordinates.step_by(LINE)).map(move |first| first..end.min(first + LINE))
+    (coordinates.step_by(CACHE_LINE)).map(move |first| first..end.min(first + CACHE_LINE))
 }
 
 /// The states of one stage at all points of a piece that are known.
@@ -45,10 +42,10 @@ impl<'a> StageStates<'a> {
         for (k, state) in self.points.iter().enumerate() {
             let line = match state {
                 Some(state) => &state[coordinates.clone()],
-                None => &[0.0; LINE][..coordinates.len()],
+                None => &[0.0; CACHE_LINE][..coordinates.len()],
             };
             // Of a known length, the loop is unrolled.
-            match <&[f64; LINE]>::try_from(line) {
+            match <&[f64; CACHE_LINE]>::try_from(line) {
                 Ok(line) => (tile.iter_mut().zip(line)).for_each(|(of, value)| of[k] = *value),
                 Err(_) => (tile.iter_mut().zip(line)).for_each(|(of, value)| of[k] = *value),
             }

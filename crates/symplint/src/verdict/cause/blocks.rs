@@ -6,6 +6,7 @@
 
 use super::{Cause, CauseKind, Clues};
 use crate::jacobian::DefectBlocks;
+use crate::signal::NEGLIGIBLE;
 use crate::verdict::findings::blocks_text;
 use crate::verdict::slope::{slope_of, slope_of_jacobian};
 use crate::verdict::thresholds::MIN_TREND;
@@ -17,10 +18,6 @@ pub(super) const MAX_SLOPE_OF_MODEL: f64 = 1.5;
 /// A block is the largest one if others are smaller by this factor. Conventional: the motion in a step, by which other blocks differ from
 /// it, is less than this part of a radian.
 const MIN_RATIO_OF_LARGEST_BLOCK: f64 = 2.0;
-
-/// Only the length of the step differs from state to state if this part of the defect is left across the trajectories. Conventional:
-/// three digits.
-const LEFT: f64 = 1e-3;
 
 impl Clues<'_> {
     /// The slope of the defect against the step size, if it is known.
@@ -41,7 +38,7 @@ impl Clues<'_> {
     /// Only the length of the step differs from state to state.
     pub(super) fn own_step_length(&self) -> Option<Cause> {
         let blocks = self.evidence.jacobian.as_ref()?.blocks.as_ref()?;
-        blocks.across_time.filter(|left| *left <= LEFT)?;
+        blocks.across_time.filter(|left| *left <= NEGLIGIBLE)?;
         Some(Cause::new(
             CauseKind::ChosenStepLength,
             "The Jacobian differs from a symplectic one only along the trajectories (less than 0.1% of the defect is across them): the \

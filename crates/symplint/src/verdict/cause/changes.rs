@@ -3,14 +3,14 @@
 use super::blocks::MAX_SLOPE_OF_MODEL;
 use super::{Cause, CauseKind, Clues};
 use crate::evidence::{Origin, StepEvidence};
-use crate::signal::SIGNIFICANT;
+use crate::signal::{CERTAIN, SIGNIFICANT};
 use crate::text::{self, one_digit, significant, with_uncertainty};
 use crate::verdict::advice::Advice;
 use crate::verdict::findings::{
     ChangeFinding, DomainFinding, Finding, LocalisationFinding, Step, culprits,
 };
 use crate::verdict::properties::{Property, PropertyName, noise};
-use crate::verdict::thresholds::{FAR, MIN_TREND};
+use crate::verdict::thresholds::MIN_TREND;
 
 /// Larger defects are not taken for those of a tolerance. Conventional: the largest that solvers have by default.
 const MAX_TOLERANCE: f64 = 1e-6;
@@ -124,7 +124,7 @@ impl Clues<'_> {
                 "The change, at most {defect}, does not depend on the step size, as errors of a tolerance or of a rounded constant do not. \
                  Errors of a method do."
             ),
-            Some(noise) if largest < FAR * noise => format!(
+            Some(noise) if largest < CERTAIN * noise => format!(
                 "The change, at most {defect}, follows no power of h. The results of neighbouring states scatter by {} of the size of the \
                  loop, which is more than rounding explains. Errors of this size can cause the change, for example in a solver that stops \
                  at a tolerance.",
@@ -181,7 +181,7 @@ impl Clues<'_> {
         let is_swapped = |step: &StepEvidence| {
             let uncertainty = step.defect.uncertainty();
             (step.defect.signed + 2.0).abs() <= SIGNIFICANT * uncertainty
-                && step.defect.magnitude() > SIGNIFICANT * SIGNIFICANT * uncertainty
+                && step.defect.magnitude() > CERTAIN * uncertainty
         };
         steps.all(is_swapped).then(|| {
             Cause::new(

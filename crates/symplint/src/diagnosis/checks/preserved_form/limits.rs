@@ -43,9 +43,6 @@ pub(super) const MAX_RELATIVE_ERROR: f64 = 1e-3;
 /// The same before loops refine it.
 pub(super) const MAX_RELATIVE_ERROR_OF_JACOBIAN: f64 = 0.1;
 
-/// An entry is rounded to the shortest number within this many times its error.
-pub(super) const ROUNDED_WITHIN: f64 = 3.0;
-
 /// An entry of a form is 0 if it is at most this many times its error, or this part of the largest one in its units.
 pub(super) const MAX_ZERO_ENTRY: (f64, f64) = (5.0, 1e-9);
 

@@ -1,8 +1,9 @@
 //! Whether the matrix of a linear map was rounded to few digits.
 
-use super::limits::{DIGITS_OF_MATRIX, MIN_SAVED_DIGITS, ROUNDED_WITHIN};
+use super::limits::{DIGITS_OF_MATRIX, MIN_SAVED_DIGITS};
 use crate::evidence::DigitsOfMatrix;
 use crate::jacobian::TangentImages;
+use crate::signal::UNEXPLAINED;
 use crate::state::Coordinates;
 
 /// The digits of all entries of a matrix, if they are few, and if rounding a symplectic matrix to these digits can change the form by as
@@ -29,7 +30,7 @@ pub(super) fn digits(
     let is_rounded = |of: &DigitsOfMatrix| {
         let (mut entries, mut resolved) = (0, 0);
         for (value, error) in matrix.iter().flatten().zip(errors.iter().flatten()) {
-            let error = ROUNDED_WITHIN * error + f64::EPSILON * value.abs();
+            let error = UNEXPLAINED * error + f64::EPSILON * value.abs();
             let unit = last_place(*of, *value);
             let rounded = (value / unit).round() * unit;
             if value.abs() <= error {

@@ -1,10 +1,9 @@
 //! The entries of a form in the coordinates of the map, as a person would write them.
 
-use super::limits::{
-    EXTRA_DIGITS, MAX_UNITS, MIN_MEAN_SAVED_DIGITS, MIN_SAVED_DIGITS, ROUNDED_WITHIN,
-};
+use super::limits::{EXTRA_DIGITS, MAX_UNITS, MIN_MEAN_SAVED_DIGITS, MIN_SAVED_DIGITS};
 use super::{Entry, Term};
 use crate::evidence::{FormEntry, monomial};
+use crate::signal::UNEXPLAINED;
 
 /// Digits of doubles.
 const DIGITS_OF_DOUBLES: usize = 17;
@@ -36,7 +35,7 @@ pub(super) fn in_units(entries: &[FormEntry], size: &[f64]) -> Vec<Entry> {
                 powers,
             },
             value: entry.value * area,
-            error: (1.0 + ROUNDED_WITHIN) * entry.error * area,
+            error: (1.0 + UNEXPLAINED) * entry.error * area,
             group: entry.group,
         }
     });
@@ -91,7 +90,7 @@ struct Number {
 impl Number {
     fn new(value: f64, relative_error: f64) -> Self {
         let error = value.abs() * relative_error;
-        let within = |rounded: &f64| (rounded - value).abs() <= ROUNDED_WITHIN * error;
+        let within = |rounded: &f64| (rounded - value).abs() <= UNEXPLAINED * error;
         let shortest = (1..=DIGITS_OF_DOUBLES)
             .map(|digits| (with_digits(value, digits), digits))
             .find(|(rounded, _)| within(rounded));
@@ -111,7 +110,7 @@ impl Number {
     }
 
     fn is_one(&self) -> bool {
-        (self.value - 1.0).abs() <= ROUNDED_WITHIN * self.error
+        (self.value - 1.0).abs() <= UNEXPLAINED * self.error
     }
 }
 
