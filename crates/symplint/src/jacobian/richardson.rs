@@ -13,6 +13,7 @@ use std::ops::Range;
 
 use super::constants::CONSTANTS;
 use super::derivative::Derivative;
+use crate::signal::extrapolate;
 
 pub(super) const LEVELS: usize = CONSTANTS.levels;
 /// States at ±t for every distance.
@@ -45,20 +46,6 @@ pub(super) fn finer_levels_help(derivative: &Derivative, noise: f64) -> bool {
 
 type Table = [[f64; CONSTANTS.deepest + 1]; LEVELS];
 
-/// Removes the powers t^first, t^(first + 2), … from a sequence over the levels.
-fn extrapolate(sequence: impl Iterator<Item = f64>, first: i32) -> Table {
-    let mut table = [[0.0; CONSTANTS.deepest + 1]; LEVELS];
-    for (level, value) in sequence.enumerate() {
-        table[level][0] = value;
-        for depth in 1..=level.min(CONSTANTS.deepest) {
-            let (fine, coarse) = (table[level][depth - 1], table[level - 1][depth - 1]);
-            let factor = CONSTANTS.ratio.powi(first + 2 * (depth as i32 - 1));
-            table[level][depth] = fine + (fine - coarse) / (factor - 1.0);
-        }
-    }
-    table
-}
-
 /// One coordinate's tables: of the odd part of the differences, the derivative, and of the even part,
 /// zero for a differentiable map.
 struct Tables {
@@ -84,8 +71,8 @@ impl Tables {
             })
         };
         Tables {
-            odd: extrapolate(part(-1.0), 2),
-            even: extrapolate(part(1.0), 1),
+            odd: extrapolate(part(-1.0), CONSTANTS.ratio, 2),
+            even: extrapolate(part(1.0), CONSTANTS.ratio, 1),
             levels,
             noise,
         }

@@ -8,6 +8,7 @@ mod largest;
 mod lattice;
 pub(crate) mod noise;
 mod random;
+mod richardson;
 mod unwrap;
 
 pub(crate) use barycentric::Barycentric;
@@ -19,6 +20,7 @@ pub(crate) use extent::Extent;
 pub(crate) use largest::largest;
 pub(crate) use lattice::Levels;
 pub(crate) use random::{GOLDEN_RATIO, parameter, parameters, unit};
+pub(crate) use richardson::extrapolate;
 pub use unwrap::unwrap_row;
 pub(crate) use unwrap::{Turns, nearest, wraps};
 

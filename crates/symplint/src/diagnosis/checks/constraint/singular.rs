@@ -7,7 +7,7 @@ use crate::evidence::{Rank, SingularJacobian};
 use crate::map::{Evaluator, LoopSize};
 use crate::rules::Subject;
 use crate::signal::noise::SAFETY;
-use crate::signal::{nearest, parameter};
+use crate::signal::{extrapolate, nearest, parameter};
 use crate::state::{Block, Ensemble, coordinate, coordinate_mut, period};
 
 /// Points of the loop at which the Jacobian is measured: a map that projects does so at both.
@@ -16,6 +16,8 @@ const JACOBIAN_POINTS: usize = 2;
 /// Distances of the central differences, in sizes of the loop: small, as a map may not work far from its manifold,
 /// and far above the rounding of single precision.
 const DISTANCES: [f64; 3] = [1.0 / 64.0, 1.0 / 128.0, 1.0 / 256.0];
+/// The factor from one distance to the next.
+const RATIO: f64 = DISTANCES[0] / DISTANCES[1];
 
 /// States that are advanced for each column.
 const STATES: usize = 2 * DISTANCES.len();
@@ -204,18 +206,13 @@ impl Columns {
             let distance = 2.0 * DISTANCES[level] * radius(displaced[column]);
             change / unit(row) / (distance / unit(displaced[column]))
         };
-        let at = |level: usize| {
-            DMatrix::from_fn(2 * dof, displaced.len(), |row, column| {
-                difference(row, column, level)
-            })
-        };
-        let [wide, middle, narrow] = [at(0), at(1), at(2)];
-        // Errors of central differences fall by four, and those of what is extrapolated from two by sixteen.
-        let first = (&middle * 4.0 - wide) / 3.0;
-        let second = (narrow * 4.0 - middle) / 3.0;
+        let tables = DMatrix::from_fn(2 * dof, displaced.len(), |row, column| {
+            let levels = (0..DISTANCES.len()).map(|level| difference(row, column, level));
+            extrapolate::<3, 3>(levels, RATIO, 2)
+        });
         Ok(Columns {
-            errors: (&second - &first).abs(),
-            value: (second * 16.0 - first) / 15.0,
+            errors: tables.map(|table| (table[2][1] - table[1][1]).abs()),
+            value: tables.map(|table| table[2][2]),
         })
     }
 
