@@ -1,5 +1,7 @@
 //! Work that the threads of the current Rayon pool share.
 
+use std::sync::Mutex;
+
 use rayon::prelude::*;
 
 /// A thread gets at least this many numbers, if each takes about a nanosecond. Calibrated: to wake a thread and to wait for it
@@ -11,21 +13,42 @@ const MIN_NUMBERS_OF_THREAD: usize = 1 << 14;
 pub(crate) fn in_parallel<T: Send, R: Send>(
     items: impl IntoIterator<Item = T>,
     numbers: usize,
-    each: impl Fn(T) -> R + Send + Sync,
+    each: impl Fn(T) -> R + Sync,
 ) -> Vec<R> {
     let items: Vec<T> = items.into_iter().collect();
     let together = (MIN_NUMBERS_OF_THREAD / numbers.max(1)).max(1);
     if items.len() <= together {
         return items.into_iter().map(each).collect();
     }
-    let shared = items.into_par_iter().with_min_len(together);
-    shared.map(each).collect()
+    const UNPOISONED: &str = "nothing panics under the lock";
+    let results: Vec<Mutex<Option<R>>> = items.iter().map(|_| Mutex::new(None)).collect();
+    let items: Vec<Mutex<Option<T>>> = (items.into_iter())
+        .map(|item| Mutex::new(Some(item)))
+        .collect();
+    share(items.len(), together, &|k| {
+        let item = items[k].lock().expect(UNPOISONED).take();
+        let result = each(item.expect("each item is taken once"));
+        *results[k].lock().expect(UNPOISONED) = Some(result);
+    });
+    let results = results
+        .into_iter()
+        .map(|of| of.into_inner().expect(UNPOISONED));
+    results
+        .map(|result| result.expect("every item has a result"))
+        .collect()
+}
+
+/// Calls `work` with every number below `count`, at least `together` of them on one thread. The function is not generic: each copy of
+/// Rayon's scheduler takes as long to compile as a module.
+fn share(count: usize, together: usize, work: &(dyn Fn(usize) + Sync)) {
+    let shared = (0..count).into_par_iter().with_min_len(together);
+    shared.for_each(work);
 }
 
 /// The same for items that are worth a thread each, such as blocks of states for a map.
 pub(crate) fn each_in_parallel<T: Send, R: Send>(
     items: impl IntoIterator<Item = T>,
-    each: impl Fn(T) -> R + Send + Sync,
+    each: impl Fn(T) -> R + Sync,
 ) -> Vec<R> {
     in_parallel(items, MIN_NUMBERS_OF_THREAD, each)
 }

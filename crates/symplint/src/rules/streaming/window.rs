@@ -1,7 +1,5 @@
 //! The samples in memory: a few that the stencils still need, and those just made.
 
-use rayon::prelude::*;
-
 use crate::breaks::GROUP;
 use crate::error::Error;
 use crate::loops::Loop;
@@ -10,7 +8,7 @@ use crate::map::Evaluator;
 use crate::signal::LANES;
 use crate::state::Block;
 use crate::state::RowsMut;
-use crate::state::{Ensemble, first_error};
+use crate::state::{Ensemble, each_in_parallel, first_error};
 
 /// Memory of the new samples of a window, unless one group needs more.
 const MAX_BYTES: usize = 16 << 20;
@@ -98,7 +96,7 @@ impl Window {
             Some((evaluator, h)) => evaluator.advance_blocks(blocks, width, first, h, fill),
             None => {
                 let each = |(b, mut block): (usize, Block<'_>)| fill(first + b * width, &mut block);
-                first_error(blocks.into_par_iter().enumerate().map(each).collect())
+                first_error(each_in_parallel(blocks.into_iter().enumerate(), each))
             }
         }
     }
@@ -114,10 +112,10 @@ impl Window {
         /// Rows to a task.
         const ROWS_PER_TASK: usize = 64;
         let (history, stride) = (self.history, self.history + self.new);
-        let q = self.q.par_chunks_mut(ROWS_PER_TASK * stride);
-        let p = self.p.par_chunks_mut(ROWS_PER_TASK * stride);
-        let tasks = q.zip(p).zip(kept.par_chunks_mut(ROWS_PER_TASK)).enumerate();
-        let largest = tasks.map(|(task, ((q, p), kept))| {
+        let q = self.q.chunks_mut(ROWS_PER_TASK * stride);
+        let p = self.p.chunks_mut(ROWS_PER_TASK * stride);
+        let tasks = q.zip(p).zip(kept.chunks_mut(ROWS_PER_TASK)).enumerate();
+        let largest = each_in_parallel(tasks, |(task, ((q, p), kept))| {
             let mut largest = 0.0f64;
             let rows = (q.chunks_exact_mut(stride)).zip(p.chunks_exact_mut(stride));
             for (i, ((q, p), kept)) in rows.zip(kept).enumerate() {
@@ -128,7 +126,7 @@ impl Window {
             }
             largest
         });
-        largest.reduce(|| 0.0, f64::max)
+        largest.into_iter().fold(0.0, f64::max)
     }
 
     /// The history of q and p of a degree of freedom.
