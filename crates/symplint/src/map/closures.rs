@@ -89,18 +89,37 @@ fn each_state<E>(
     scratch::with_buffer(2 * dof, |state| {
         let (q, p) = state.split_at_mut(dof);
         for sample in 0..block.len() {
-            for i in 0..dof {
-                q[i] = block.q.row(i)[sample];
-                p[i] = block.p.row(i)[sample];
-            }
+            read(block, sample, q, p);
             act(q, p).map_err(|error| (sample, error))?;
-            for i in 0..dof {
-                block.q.row_mut(i)[sample] = q[i];
-                block.p.row_mut(i)[sample] = p[i];
-            }
+            write(block, sample, q, p);
         }
         Ok(())
     })
+}
+
+// Compiled once, not for each closure.
+fn read(block: &Block<'_>, sample: usize, q: &mut [f64], p: &mut [f64]) {
+    for (i, (q, p)) in q.iter_mut().zip(p).enumerate() {
+        *q = block.q.row(i)[sample];
+        *p = block.p.row(i)[sample];
+    }
+}
+
+fn write(block: &mut Block<'_>, sample: usize, q: &[f64], p: &[f64]) {
+    for (i, (q, p)) in q.iter().zip(p).enumerate() {
+        block.q.row_mut(i)[sample] = *q;
+        block.p.row_mut(i)[sample] = *p;
+    }
+}
+
+fn capabilities<'a>(
+    coordinates: &Coordinates,
+    projection: &'a Option<Box<dyn Constraint>>,
+) -> Capabilities<'a> {
+    Capabilities {
+        constraint: projection.as_deref(),
+        ..Capabilities::of_coordinates(coordinates.clone())
+    }
 }
 
 impl<F> PerSample<F> {
@@ -190,10 +209,7 @@ where
     }
 
     fn capabilities(&self) -> Capabilities<'_> {
-        Capabilities {
-            constraint: self.projection.as_deref(),
-            ..Capabilities::of_coordinates(self.coordinates.clone())
-        }
+        capabilities(&self.coordinates, &self.projection)
     }
 }
 
@@ -279,9 +295,6 @@ where
     }
 
     fn capabilities(&self) -> Capabilities<'_> {
-        Capabilities {
-            constraint: self.projection.as_deref(),
-            ..Capabilities::of_coordinates(self.coordinates.clone())
-        }
+        capabilities(&self.coordinates, &self.projection)
     }
 }

@@ -17,15 +17,25 @@ thread_local! {
 ///
 /// The buffer belongs to the calling thread and is used again by later calls, unless it is larger than 64 MiB.
 pub fn with_buffer<R>(len: usize, work: impl FnOnce(&mut [f64]) -> R) -> R {
+    let mut buffer = lend(len);
+    let result = work(&mut buffer[..len]);
+    keep(buffer);
+    result
+}
+
+// Compiled once, not for each `work`.
+fn lend(len: usize) -> Vec<f64> {
     let mut buffer = IDLE.with_borrow_mut(Vec::pop).unwrap_or_default();
     if buffer.len() < len {
         buffer.resize(len, 0.0);
     }
-    let result = work(&mut buffer[..len]);
+    buffer
+}
+
+fn keep(buffer: Vec<f64>) {
     if buffer.len() <= MAX_KEPT_VALUES {
         IDLE.with_borrow_mut(|idle| idle.push(buffer));
     }
-    result
 }
 
 /// Lends `work` `tables` tables of `count` rows and `len` columns each, with unspecified
@@ -38,16 +48,16 @@ pub fn with_tables<R>(
 ) -> R {
     let size = count * len;
     with_buffer(tables * size, |buffer| {
-        let mut rows: Vec<RowsMut<'_>> = if size == 0 {
-            (0..tables)
-                .map(|_| RowsMut::new(&mut [], count, len, len))
-                .collect()
-        } else {
-            buffer
-                .chunks_exact_mut(size)
-                .map(|table| RowsMut::new(table, count, len, len))
-                .collect()
-        };
-        work(&mut rows)
+        work(&mut divide(buffer, tables, count, len))
     })
+}
+
+fn divide(buffer: &mut [f64], tables: usize, count: usize, len: usize) -> Vec<RowsMut<'_>> {
+    let mut rest = buffer;
+    let next = |_| {
+        let (table, others) = std::mem::take(&mut rest).split_at_mut(count * len);
+        rest = others;
+        RowsMut::new(table, count, len, len)
+    };
+    (0..tables).map(next).collect()
 }
