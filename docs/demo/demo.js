@@ -20,7 +20,7 @@
   // Step sizes of a sweep: h, h/2, …
   const SIZES = 6;
   // The animation ends at states this many times as far from the origin as at its start.
-  const MOST_GROWTH = 6;
+  const MAX_GROWTH = 6;
 
   const page = (id) => document.getElementById(`demo-${id}`);
 
@@ -75,7 +75,7 @@
     cancelAnimationFrame(animation);
     // An orbit that escapes would make the loop a dot.
     const reach = (frame) => Math.max(...frame.q.map(Math.abs), ...frame.p.map(Math.abs));
-    const escaped = all.findIndex((frame) => !(reach(frame) <= MOST_GROWTH * reach(all[0])));
+    const escaped = all.findIndex((frame) => !(reach(frame) <= MAX_GROWTH * reach(all[0])));
     const frames = escaped < 0 ? all : all.slice(0, escaped);
     const canvas = page("loop");
     const context = canvas.getContext("2d");

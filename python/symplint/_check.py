@@ -44,7 +44,7 @@ BUDGET_OF_A_STEP = 512
 #: Evaluations of a system of the library, as the program has it.
 BUDGET_COMPILED = 1_000_000
 #: Arrays with more numbers than this are not repeated in reports.
-LONGEST = 16
+MAX_VALUES = 16
 
 
 def check(
@@ -921,7 +921,7 @@ def _config(name: str, subject: dict[str, Any], settings: dict[str, Any], loop: 
     arguments = {
         key: value
         for key, value in arguments.items()
-        if not isinstance(value, list | tuple) or len(value) <= LONGEST
+        if not isinstance(value, list | tuple) or len(value) <= MAX_VALUES
     }
     config: dict[str, Any] = {"check": {"step": name} | arguments}
     if loop is not None:

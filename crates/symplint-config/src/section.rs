@@ -3,7 +3,7 @@
 use std::cell::RefCell;
 
 pub use symplint::request::Accept;
-use symplint::request::{self, MAX_WHOLE_NUMBER, Part, Refused};
+use symplint::request::{self, MAX_WHOLE_NUMBER, Part, Refusal};
 
 use super::document::{Node, SETTING, Table, Value};
 use super::error::{ConfigError, Place};
@@ -266,13 +266,13 @@ impl Section {
     fn read<T>(
         &self,
         key: &str,
-        of: impl FnOnce(&request::Value) -> Result<T, Refused>,
+        of: impl FnOnce(&request::Value) -> Result<T, Refusal>,
     ) -> Result<T, ConfigError> {
         read(&self.dotted(key), &self.required(key)?, of)
     }
 
     /// The error about the value of a key.
-    pub fn refused(&self, key: &str, refused: Refused) -> ConfigError {
+    pub fn refused(&self, key: &str, refused: Refusal) -> ConfigError {
         match self.table.entries.get(key) {
             Some((_, node)) => refused_at(&self.dotted(key), node, refused),
             None => self.error(key, refused.message, refused.remedy),
@@ -453,7 +453,7 @@ impl Section {
 fn read<T>(
     path: &str,
     node: &Node,
-    read: impl FnOnce(&request::Value) -> Result<T, Refused>,
+    read: impl FnOnce(&request::Value) -> Result<T, Refusal>,
 ) -> Result<T, ConfigError> {
     read(&node.plain()).map_err(|refused| refused_at(path, node, refused))
 }
@@ -469,7 +469,7 @@ pub fn read_whole(path: &str, node: &Node, least: u64) -> Result<u64, ConfigErro
 }
 
 /// The error about a value that is refused, or a part of it, at its place.
-fn refused_at(path: &str, node: &Node, refused: Refused) -> ConfigError {
+fn refused_at(path: &str, node: &Node, refused: Refusal) -> ConfigError {
     let part = match (&refused.part, &node.value) {
         (Some(Part::Item(k)), Value::List(list)) => list.get(*k),
         (Some(Part::Key(name)), Value::Table(table)) => {

@@ -173,7 +173,7 @@ pub(crate) fn with_uncertainty(value: f64, uncertainty: f64) -> String {
         };
         return format!("{number} ± {error}");
     }
-    // A round number that the error explains needs no more digits.
+    // If the error explains the difference from a round number, the round number is written.
     let round: f64 = format!("{value:.*e}", MAX_DIGITS as usize - 1)
         .parse()
         .unwrap_or(value);

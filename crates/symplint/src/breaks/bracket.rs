@@ -1,9 +1,9 @@
 //! Bisection of a jump, and how a jump is distinguished from noise and from a steep stretch.
 
 use super::limits::{
-    CONFIRMING_STATES, HALVINGS_BEFORE_TEST, MAX_MISMATCH_OF_SIZES, MIN_BRACKET_WIDTH,
-    MIN_JUMP_OVER_NOISE, MIN_PART_ON_HALVING, ROUNDINGS_OF_DISPLACEMENT, SPACING_BESIDE_JUMP,
-    STATES_AROUND_ZONE, STATES_BETWEEN_ZONE_STATES, STATES_OF_LOOKS, WIDTH_OF_CONSTANT_JUMP,
+    CONFIRMING_STATES, HALVINGS_BEFORE_TEST, INTERMEDIATE_ZONE_STATES, MAX_MISMATCH_OF_SIZES,
+    MAX_WIDTH_OF_CONSTANT_JUMP, MIN_BRACKET_WIDTH, MIN_JUMP_OVER_NOISE, MIN_PART_ON_HALVING,
+    ROUNDINGS_OF_DISPLACEMENT, SPACING_BESIDE_JUMP, STATES_AROUND_ZONE, STATES_OF_LOOKS,
 };
 use crate::state::Block;
 
@@ -79,7 +79,7 @@ impl Bracket {
             End::High => self.high = self.middle(),
         }
         self.halvings += 1;
-        if self.high - self.low < WIDTH_OF_CONSTANT_JUMP {
+        if self.high - self.low < MAX_WIDTH_OF_CONSTANT_JUMP {
             self.expected = self.expected.max(difference.abs());
         }
         if self.halvings > HALVINGS_BEFORE_TEST && self.is_little(difference) {
@@ -117,7 +117,7 @@ impl Bracket {
     /// Parameters of states in the middle between those around a zone.
     pub fn between(&self, end: End, distance: f64) -> impl Iterator<Item = f64> + use<> {
         let half = self.outwards(end, 0.5 * distance);
-        (0..STATES_BETWEEN_ZONE_STATES).map(move |k| half(3 + 2 * k))
+        (0..INTERMEDIATE_ZONE_STATES).map(move |k| half(3 + 2 * k))
     }
 
     /// The parameter that is a number of these distances from an end.
@@ -294,10 +294,7 @@ mod tests {
             let around: Vec<f64> = bracket.around(end, 1e-3).collect();
             let between: Vec<f64> = bracket.between(end, 1e-3).collect();
             let all = interleaved(&around, &between);
-            assert_eq!(
-                all.len(),
-                STATES_AROUND_ZONE - 1 + STATES_BETWEEN_ZONE_STATES
-            );
+            assert_eq!(all.len(), STATES_AROUND_ZONE - 1 + INTERMEDIATE_ZONE_STATES);
             let origin = around[0];
             for (k, s) in all.iter().enumerate() {
                 let expected = origin + sign * (1e-3 + 5e-4 * k as f64);

@@ -5,8 +5,8 @@ use super::bracket::{
     lands_on_a_level, lasting, stands_out,
 };
 use super::limits::{
-    CONFIRMING_STATES, DISTANCES_FROM_ZONE, MAX_ROUNDINGS_OF_RESIDUAL, SAMPLES_OF_SIZE,
-    STATES_AROUND_ZONE, STATES_BETWEEN_ZONE_STATES, STATES_OF_LOOKS,
+    CONFIRMING_STATES, DISTANCES_FROM_ZONE, INTERMEDIATE_ZONE_STATES, MAX_ROUNDINGS_OF_RESIDUAL,
+    SAMPLES_OF_SIZE, STATES_AROUND_ZONE, STATES_OF_LOOKS,
 };
 use super::residual::{Coordinate, Suspect};
 use super::{Break, Search, uncertainty_of_position};
@@ -278,7 +278,7 @@ impl Gap<'_> {
     fn behind_the_zone(&self, found: Break) -> Result<Search, Error> {
         for distance in DISTANCES_FROM_ZONE {
             if self.stretch.evaluator.count().left()
-                < 2 * (STATES_AROUND_ZONE - 1 + STATES_BETWEEN_ZONE_STATES)
+                < 2 * (STATES_AROUND_ZONE - 1 + INTERMEDIATE_ZONE_STATES)
             {
                 return Ok(Search::Unaffordable);
             }

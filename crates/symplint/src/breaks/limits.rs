@@ -10,7 +10,7 @@ pub(super) const MIN_OUTLIER_DEVIATIONS: f64 = 6.7;
 
 /// When cells become twice as wide, a residual grows 32-fold where the coordinate is smooth, at least twofold at a
 /// kink, and not at all at a jump: a jump is this part of the wider residual at least.
-pub(super) const MIN_PART_IN_WIDE_CELLS: f64 = 0.75;
+pub(super) const MIN_NARROW_OVER_WIDE: f64 = 0.75;
 
 /// Residuals below this number of roundings of a value are rounding: 5.3 (the sum of the absolute weights) if values are
 /// rounded once, and a step rounds several times.
@@ -30,7 +30,7 @@ pub(super) const MIN_PART_ON_HALVING: f64 = 0.25;
 /// A break keeps its size while its bracket shrinks from this width to [`MIN_BRACKET_WIDTH`], over four decades: the difference of
 /// both ends shrinks there by 1e4 on a slope, and by 100 at a square root. Derived: on a slope as steep as the loop, the width
 /// makes less than a third of the smallest break, [`MIN_RELATIVE_JUMP`].
-pub(super) const WIDTH_OF_CONSTANT_JUMP: f64 = 1e-12;
+pub(super) const MAX_WIDTH_OF_CONSTANT_JUMP: f64 = 1e-12;
 
 /// Halvings before the difference of the ends is expected to be that of the jump alone.
 pub(super) const HALVINGS_BEFORE_TEST: usize = 2;
@@ -39,7 +39,7 @@ pub(super) const HALVINGS_BEFORE_TEST: usize = 2;
 /// on the scale of the loop.
 pub(super) const MIN_BRACKET_WIDTH: f64 = 0.25 * f64::EPSILON;
 
-/// States on each side of a jump that tell it from noise, the end of the bracket among them: at a first look, and
+/// States on each side of a jump that distinguish it from noise, the end of the bracket among them: at a first look, and
 /// at a second one if need be.
 pub(crate) const STATES_OF_LOOKS: [usize; 2] = [3, 6];
 
@@ -58,7 +58,7 @@ pub(crate) const CONFIRMING_STATES: usize = 9;
 pub(crate) const REACH_OF_CONFIRMATION: f64 = (CONFIRMING_STATES - 1) as f64 * SPACING_BESIDE_JUMP;
 
 /// States on each side, between those around a zone, that confirm a break with a zone.
-pub(crate) const STATES_BETWEEN_ZONE_STATES: usize = STATES_AROUND_ZONE - 2;
+pub(crate) const INTERMEDIATE_ZONE_STATES: usize = STATES_AROUND_ZONE - 2;
 
 /// States on each side of a zone, the end of the bracket among them: a quadratic function takes each of two values at
 /// two points at most, so that no flicker between them looks smooth at five.

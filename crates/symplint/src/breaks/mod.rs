@@ -18,8 +18,8 @@ pub(crate) use bracket::{
     lands_on_a_level, lasting, scatter, stands_out,
 };
 pub(crate) use limits::{
-    CONFIRMING_STATES, DISTANCES_FROM_ZONE, REACH_OF_CONFIRMATION, STATES_AROUND_ZONE,
-    STATES_BETWEEN_ZONE_STATES, STATES_OF_LOOKS,
+    CONFIRMING_STATES, DISTANCES_FROM_ZONE, INTERMEDIATE_ZONE_STATES, REACH_OF_CONFIRMATION,
+    STATES_AROUND_ZONE, STATES_OF_LOOKS,
 };
 pub(crate) use little::little_jumps;
 pub(crate) use residual::{

@@ -7,7 +7,7 @@
 use multiversion::multiversion;
 
 use super::limits::{
-    MAX_ROUNDINGS_OF_RESIDUAL, MAX_SUSPECTS, MIN_OUTLIER_DEVIATIONS, MIN_PART_IN_WIDE_CELLS,
+    MAX_ROUNDINGS_OF_RESIDUAL, MAX_SUSPECTS, MIN_NARROW_OVER_WIDE, MIN_OUTLIER_DEVIATIONS,
 };
 use crate::signal::UNIT_ROUNDOFF;
 
@@ -122,7 +122,7 @@ impl Residuals {
             noise: deviation(self.undisturbed, groups),
         };
         let suspicious = self.largest > rounding(UNIT_ROUNDOFF * magnitude)
-            && self.largest > MIN_PART_IN_WIDE_CELLS * self.largest_wide
+            && self.largest > MIN_NARROW_OVER_WIDE * self.largest_wide
             && suspect.stands_out(self.largest);
         suspicious.then_some(suspect)
     }
@@ -210,7 +210,7 @@ fn any_may_jump(row: &[f64], floor: f64) -> bool {
                 larger(wide[k + 2], wide[k + 3]),
             );
             let stands_out = narrow[k] > slack;
-            let stays = narrow[k] + slack > MIN_PART_IN_WIDE_CELLS * around;
+            let stays = narrow[k] + slack > MIN_NARROW_OVER_WIDE * around;
             jumps |= u64::from(stands_out & stays);
         }
         if jumps != 0 {

@@ -7,7 +7,7 @@
 
 use super::limits::{
     MAX_FLAGGED_PART, MAX_MISMATCH_OF_SIZES, MAX_RESOLVED_RESIDUAL, MIN_CELLS_BETWEEN_JUMPS,
-    MIN_OUTLIER_DEVIATIONS, MIN_PART_IN_WIDE_CELLS,
+    MIN_NARROW_OVER_WIDE, MIN_OUTLIER_DEVIATIONS,
 };
 use super::residual::{NEIGHBOURING_INCREMENTS, noise, of_cell, of_cells};
 
@@ -97,7 +97,7 @@ impl Search<'_> {
             !self.flagged[k]
                 && residual > self.floor
                 && residual > MIN_OUTLIER_DEVIATIONS * noise
-                && residual > MIN_PART_IN_WIDE_CELLS * Self::wide_round(wide, k)
+                && residual > MIN_NARROW_OVER_WIDE * Self::wide_round(wide, k)
                 && residual >= around.fold(0.0, f64::max)
         };
         let found: Vec<usize> = (0..n).filter(|&k| is_jump(k)).collect();
@@ -130,7 +130,7 @@ impl Search<'_> {
         let hidden = (0..n)
             .filter(|&k| {
                 narrow[k] > self.floor
-                    && narrow[k] > MIN_PART_IN_WIDE_CELLS * Self::wide_round(wide, k)
+                    && narrow[k] > MIN_NARROW_OVER_WIDE * Self::wide_round(wide, k)
             })
             .fold(0.0, |m: f64, k| m.max(narrow[k]));
         let mean = |values: &[f64]| values.iter().sum::<f64>() / n as f64;
@@ -138,7 +138,7 @@ impl Search<'_> {
         // Half as many double cells: their sum is what halves, stays or grows.
         let unresolved = mean(narrow) > self.floor
             && mean(narrow) > MAX_RESOLVED_RESIDUAL * variation
-            && 2.0 * mean(narrow) > MIN_PART_IN_WIDE_CELLS * mean(wide);
+            && 2.0 * mean(narrow) > MIN_NARROW_OVER_WIDE * mean(wide);
         let cells: Vec<usize> = (0..n).filter(|&k| self.flagged[k]).collect();
         let jumps = cells.iter().map(|&k| self.jump(k)).collect();
         Roughness {

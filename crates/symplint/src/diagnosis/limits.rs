@@ -26,33 +26,33 @@ pub(super) const SAMPLES_OF_ROUNDING_TEST: usize = 256;
 /// less than 50,000 evaluations; more gain a digit for each hundredfold.
 pub(super) const MAX_FIRST_SAMPLES_OF_ROUNDED_MAP: f64 = 2048.0;
 
-/// The part of the evaluations made so far that the blocks of a defect may take. Conventional: they name its cause.
-pub(super) const BLOCKS_PART: usize = 2;
+/// The blocks of a defect may take one in this number of the evaluations made so far. Conventional: they name its cause.
+pub(super) const DIVISOR_OF_BLOCKS: usize = 2;
 
 /// Degrees of freedom up to which blocks are measured. Derived: the brackets of all coordinates take less than a second then.
 pub(super) const MAX_DOF_OF_BLOCKS: usize = 200;
 
-/// The part of the evaluations made so far that a second step size of the Jacobian may take.
-pub(super) const DECAY_PART: usize = 15;
+/// A second step size of the Jacobian may take one in this number of the evaluations made so far.
+pub(super) const DIVISOR_OF_DECAY: usize = 15;
 
 /// A defect of the Jacobian that is expected to be this many times the smallest one that its method attributes to a map is
 /// known to a few per cent.
 pub(super) const MIN_DEFECT_OVER_METHOD: f64 = 100.0;
 
-/// The part of the budget that the first samples of all loops and step sizes take.
-pub(super) const FIRST_SAMPLES_PART: usize = 3;
+/// The first samples of all loops and step sizes take one in this number of evaluations of the budget.
+pub(super) const DIVISOR_OF_FIRST_SAMPLES: usize = 3;
 
-/// The part of the budget that samples of one loop may take, where their number is given; fewer are taken if it
-/// is more.
-pub(super) const GIVEN_SAMPLES_PART: usize = 4;
+/// The samples of one loop may take one in this number of evaluations of the budget, if their number is given; fewer are taken
+/// if it is more.
+pub(super) const DIVISOR_OF_GIVEN_SAMPLES: usize = 4;
 
-/// The part of a tight budget that equispaced samples of the given loop may take: what they do not resolve then is
-/// cheaper by pieces.
-pub(super) const TIGHT_SAMPLES_PART: usize = 16;
+/// Equispaced samples of the given loop may take one in this number of evaluations of a tight budget: pieces resolve the rest
+/// with fewer evaluations.
+pub(super) const DIVISOR_OF_TIGHT_SAMPLES: usize = 16;
 
-/// The part of a budget that is kept while the given loop is resolved: a second step size or a random loop may
-/// fit into it where samples were enough.
-pub(super) const RESERVED_PART: usize = 8;
+/// One in this number of evaluations of a budget is kept while the given loop is resolved: enough for a second step size or a
+/// random loop, if samples resolve it.
+pub(super) const DIVISOR_OF_RESERVE: usize = 8;
 
 /// Budgets below this are tight: every evaluation is counted on.
 pub(super) const TIGHT_BUDGET: usize = 20_000;
@@ -68,20 +68,21 @@ pub(super) const MAX_WITNESSES: usize = 8;
 /// Evaluations of the budget for each of these states: all of them take about 2% of a budget.
 pub(super) const BUDGET_PER_WITNESS: usize = 250;
 
-/// The part of a budget that the Jacobian may take at most, in a small budget.
-pub(super) const JACOBIAN_PART: usize = 5;
+/// The Jacobian may take one in this number of evaluations of a small budget.
+pub(super) const DIVISOR_OF_JACOBIAN: usize = 5;
 
 /// Evaluations that the Jacobian may take in a small budget: two points in two degrees of freedom. Conventional.
-pub(super) const JACOBIAN_OF_SMALL_BUDGET: usize = 200;
+pub(super) const MAX_JACOBIAN_EVALUATIONS_OF_SMALL_BUDGET: usize = 200;
 
-/// The part of a budget that the Jacobian may take at most, if that is more.
-pub(super) const JACOBIAN_PART_OF_LARGE_BUDGET: usize = 20;
+/// The same for a budget of which this part is more than [`MAX_JACOBIAN_EVALUATIONS_OF_SMALL_BUDGET`].
+pub(super) const DIVISOR_OF_JACOBIAN_IN_LARGE_BUDGET: usize = 20;
 
-/// The part of a budget that the test of steps back may take at most, if it was not asked for: smaller budgets leave it out.
-pub(super) const STRUCTURE_PART: usize = 50;
+/// The test of steps back may take one in this number of evaluations of a budget if the user did not ask for it: smaller budgets leave
+/// it out.
+pub(super) const DIVISOR_OF_STRUCTURE: usize = 50;
 
-/// The part of a budget that is kept for finding out whether what shows a defect lies in the domain of the map.
-pub(super) const DOMAIN_PART: usize = 10;
+/// One in this number of evaluations of a budget is kept to test whether the states that show a defect lie in the domain of the map.
+pub(super) const DIVISOR_OF_DOMAIN: usize = 10;
 
 /// Evaluations that contracting a loop takes, about: twelve halvings of the disc, of which the boundaries come near to
 /// one or two singular points.
@@ -92,7 +93,7 @@ pub(super) const EVALUATIONS_OF_CONTRACTION: usize = 6_000;
 pub(super) const MAX_JACOBIAN_COORDINATES: usize = 1 << 19;
 
 /// Evaluations that the Jacobian may take in any number of degrees of freedom: some pairs at two points.
-pub(super) const MIN_JACOBIAN_EVALUATIONS: usize = 400;
+pub(super) const MAX_JACOBIAN_EVALUATIONS_OF_MANY_DOF: usize = 400;
 
 /// The tolerance of the piecewise rule in a tight budget: integrals to about nine digits for fewer evaluations.
 /// Calibrated on the test `cubic_particles_are_symplectic_to_eight_digits_on_a_budget` in `symplint-cli`.
@@ -112,7 +113,7 @@ pub(super) const MAX_EXPONENT_OF_KINKS: f64 = 4.5;
 pub(super) const MAX_DIFFERENCE_OF_EXPONENTS: f64 = 0.1;
 
 /// An expected error this many times the wanted one is reason to leave equispaced samples early: one digit.
-pub(super) const MAX_MISS_OF_TOLERANCE: f64 = 10.0;
+pub(super) const MAX_ERROR_OVER_WANTED: f64 = 10.0;
 
 /// Coordinates that the piecewise rule may have the map advance for one loop integral, if the user did not choose that
 /// rule.
@@ -161,8 +162,9 @@ pub(super) const MAX_FEATURES: usize = 3;
 /// width of the narrowest strips that samples meet now and then. Rounding leaves 10 digits of the differences there.
 pub(super) const DISPLACEMENT_AT_FEATURE: f64 = 1e-3;
 
-/// A part of the samples that resolve a loop shows where it is roughest after a step, as its upper modes are not yet lost in rounding then.
-pub(super) const ROUGHNESS_PART_OF_SAMPLES: usize = 4;
+/// One in this number of the samples that resolve a loop shows where it is roughest after a step: rounding does not hide their upper
+/// modes yet.
+pub(super) const DIVISOR_OF_ROUGHNESS_SAMPLES: usize = 4;
 
 /// Distance of states that share a feature with one of them: far below the width of a feature that matters, and so small that the
 /// curvature of the loop, (2π)² of the square, is below 1e-12.
@@ -185,7 +187,7 @@ pub(super) const MAX_STRETCH_WITHOUT_BREAK: f64 = 12.0;
 
 /// A budget in which pieces resolve a loop with kinks or steep slopes, and the Jacobian and random loops have their
 /// parts. Calibrated: one loop takes up to 900 evaluations.
-pub(super) const BUDGET_OF_PIECES: usize = 2_000;
+pub(super) const MIN_BUDGET_OF_PIECES: usize = 2_000;
 
 // Many steps.
 
@@ -193,7 +195,7 @@ pub(super) const BUDGET_OF_PIECES: usize = 2_000;
 pub(super) const MAX_ERROR_OVER_DEFECT: f64 = 0.1;
 
 /// Quadrature errors below this are good enough, however small the defects are.
-pub(super) const SUFFICIENT_ERROR: f64 = 1e-12;
+pub(super) const MAX_SUFFICIENT_ERROR: f64 = 1e-12;
 
 /// A loop folds: what one step resolves, many do not. Samples of a loop of one degree of freedom at least.
 pub(super) const MIN_SAMPLES_OF_FOLDED_LOOP: usize = 1 << 13;

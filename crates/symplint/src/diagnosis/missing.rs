@@ -8,16 +8,16 @@
 use super::checks::constraint::singular_cost;
 use super::checks::memory::cost_again;
 use super::limits::{
-    BUDGET_OF_PIECES, DOMAIN_PART, EVALUATIONS_OF_CONTRACTION, FACTOR_OF_TWO_DOUBLINGS,
-    MAX_STRETCH_WITHOUT_BREAK, SLOPE_MARGINS,
+    DIVISOR_OF_DOMAIN, EVALUATIONS_OF_CONTRACTION, FACTOR_OF_TWO_DOUBLINGS,
+    MAX_STRETCH_WITHOUT_BREAK, MIN_BUDGET_OF_PIECES, SLOPE_MARGINS,
 };
 use super::plan::Plan;
 use super::{Diagnostic, SampleCount};
 use crate::error::Error;
 use crate::evidence::{
-    Check, Evidence, LoopEvidence, MAX_BOUND, MAX_CELLS_BETWEEN_SAMPLES, StepEvidence,
+    Check, Evidence, LoopEvidence, MAX_BOUND_ON_DEFECT, MAX_CELLS_BETWEEN_SAMPLES, StepEvidence,
 };
-use crate::loops::MAX_SAMPLES;
+use crate::loops::MAX_SAMPLES_OF_DOUBLING;
 use crate::rules::{Rule, Subject, cells_apart};
 use crate::state::Ensemble;
 
@@ -42,7 +42,7 @@ impl Diagnostic {
         let fewer = matches!(self.samples, SampleCount::Fixed(asked) if given < asked);
         let limited = fewer || self.plan(subject, budget).is_tight();
         // Further samples do not resolve a map whose own rounding exceeds the bound that a verdict needs.
-        let drowned = |step: &StepEvidence| step.defect.roundoff > MAX_BOUND;
+        let drowned = |step: &StepEvidence| step.defect.roundoff > MAX_BOUND_ON_DEFECT;
         let unresolved = |step: &StepEvidence| {
             let is_weak = !step.is_bounded() || step.is_unexplained();
             step.misses_the_grid() || limited && is_weak && !drowned(step)
@@ -54,7 +54,7 @@ impl Diagnostic {
         let needed = match samples {
             0 => None,
             _ if samples > given => self.least_budget(subject, evidence, samples),
-            _ => Some(BUDGET_OF_PIECES.max(2 * budget)),
+            _ => Some(MIN_BUDGET_OF_PIECES.max(2 * budget)),
         };
         Ok(needed.map_or(beside, |needed| needed.saturating_sub(budget).max(beside)))
     }
@@ -96,7 +96,7 @@ impl Diagnostic {
                 false => low = middle,
             }
         }
-        Some(high.max(BUDGET_OF_PIECES)).filter(|_| samples <= MAX_SAMPLES)
+        Some(high.max(MIN_BUDGET_OF_PIECES)).filter(|_| samples <= MAX_SAMPLES_OF_DOUBLING)
     }
 }
 
@@ -113,9 +113,9 @@ fn budget_for_domain(dof: usize, evidence: &Evidence) -> usize {
     let manifold = singular_cost(dof);
     if evidence.missing(Check::Contraction) > 0 {
         let of_more = 2 * evidence.evaluations.budget;
-        (DOMAIN_PART * (manifold + EVALUATIONS_OF_CONTRACTION)).max(of_more)
+        (DIVISOR_OF_DOMAIN * (manifold + EVALUATIONS_OF_CONTRACTION)).max(of_more)
     } else if evidence.missing(Check::Constraint) > 0 {
-        DOMAIN_PART * manifold
+        DIVISOR_OF_DOMAIN * manifold
     } else {
         0
     }
@@ -140,6 +140,6 @@ fn resolving(
     }
     let finer = (apart / MAX_CELLS_BETWEEN_SAMPLES)
         .ceil()
-        .clamp(1.0, MAX_SAMPLES as f64) as usize;
+        .clamp(1.0, MAX_SAMPLES_OF_DOUBLING as f64) as usize;
     Ok(found.samples.saturating_mul(finer.next_power_of_two()))
 }

@@ -1,14 +1,15 @@
 //! How a budget of evaluations is spent.
 
 use super::limits::{
-    BUDGET_PER_WITNESS, DEFAULT_BUDGET, DOMAIN_PART, EVALUATIONS_OF_CONTRACTION, FINE_SAMPLES,
-    FIRST_SAMPLES_PART, GIVEN_SAMPLES_PART, JACOBIAN_OF_SMALL_BUDGET, JACOBIAN_PART,
-    JACOBIAN_PART_OF_LARGE_BUDGET, MAX_BYTES, MAX_JACOBIAN_COORDINATES, MAX_WITNESSES,
-    MIN_JACOBIAN_EVALUATIONS, MIN_SAMPLES_OF_FOLDED_LOOP, PURITY_SAMPLES, TIGHT_BUDGET,
-    TIGHT_SAMPLES_PART, TIGHT_TOLERANCE,
+    BUDGET_PER_WITNESS, DEFAULT_BUDGET, DIVISOR_OF_DOMAIN, DIVISOR_OF_FIRST_SAMPLES,
+    DIVISOR_OF_GIVEN_SAMPLES, DIVISOR_OF_JACOBIAN, DIVISOR_OF_JACOBIAN_IN_LARGE_BUDGET,
+    DIVISOR_OF_TIGHT_SAMPLES, EVALUATIONS_OF_CONTRACTION, FINE_SAMPLES, MAX_BYTES,
+    MAX_JACOBIAN_COORDINATES, MAX_JACOBIAN_EVALUATIONS_OF_MANY_DOF,
+    MAX_JACOBIAN_EVALUATIONS_OF_SMALL_BUDGET, MAX_WITNESSES, MIN_SAMPLES_OF_FOLDED_LOOP,
+    PURITY_SAMPLES, TIGHT_BUDGET, TIGHT_TOLERANCE,
 };
 use super::{Diagnostic, SampleCount};
-use crate::evidence::MIN_SAMPLES;
+use crate::evidence::MIN_SAMPLES_OF_SHAPE;
 use crate::jacobian::JacobianTest;
 use crate::loops::FEW_SAMPLES;
 use crate::map::Evaluator;
@@ -60,15 +61,19 @@ impl Plan {
     ) -> Self {
         let dof = evaluator.dof();
         let measurements = diagnostic.step_sizes.len() + diagnostic.loops;
-        let share = power_below(budget / (FIRST_SAMPLES_PART * measurements.max(1)));
+        let share = power_below(budget / (DIVISOR_OF_FIRST_SAMPLES * measurements.max(1)));
         let fine = power_below(FINE_SAMPLES / dof.max(1)).max(FEW_SAMPLES);
         let tight = budget < TIGHT_BUDGET;
         let ample = usize::from(!tight && fits(dof, FEW_SAMPLES));
         Plan {
             first_samples: match diagnostic.samples {
-                SampleCount::Fixed(samples) if samples <= budget / GIVEN_SAMPLES_PART => samples,
-                SampleCount::Fixed(samples) => power_below(samples).min(share.max(MIN_SAMPLES)),
-                SampleCount::Auto => share.clamp(MIN_SAMPLES, fine),
+                SampleCount::Fixed(samples) if samples <= budget / DIVISOR_OF_GIVEN_SAMPLES => {
+                    samples
+                }
+                SampleCount::Fixed(samples) => {
+                    power_below(samples).min(share.max(MIN_SAMPLES_OF_SHAPE))
+                }
+                SampleCount::Auto => share.clamp(MIN_SAMPLES_OF_SHAPE, fine),
             },
             purity_samples: PURITY_SAMPLES[ample],
             witnesses: match fits(dof, FEW_SAMPLES) {
@@ -78,14 +83,15 @@ impl Plan {
             jacobian: match diagnostic.jacobian {
                 true => {
                     let all = JacobianTest::default().evaluations(dof, evaluator.has_tangent());
-                    let most =
-                        (MAX_JACOBIAN_COORDINATES / dof.max(1)).max(MIN_JACOBIAN_EVALUATIONS);
-                    let part = JACOBIAN_OF_SMALL_BUDGET.max(budget / JACOBIAN_PART_OF_LARGE_BUDGET);
-                    all.min(most).min(budget / JACOBIAN_PART).min(part)
+                    let most = (MAX_JACOBIAN_COORDINATES / dof.max(1))
+                        .max(MAX_JACOBIAN_EVALUATIONS_OF_MANY_DOF);
+                    let part = MAX_JACOBIAN_EVALUATIONS_OF_SMALL_BUDGET
+                        .max(budget / DIVISOR_OF_JACOBIAN_IN_LARGE_BUDGET);
+                    all.min(most).min(budget / DIVISOR_OF_JACOBIAN).min(part)
                 }
                 false => 0,
             },
-            domain: (of_manifold + EVALUATIONS_OF_CONTRACTION).min(budget / DOMAIN_PART),
+            domain: (of_manifold + EVALUATIONS_OF_CONTRACTION).min(budget / DIVISOR_OF_DOMAIN),
             tolerance: if tight { TIGHT_TOLERANCE } else { 0.0 },
         }
     }
@@ -108,7 +114,7 @@ impl Plan {
 
 /// The most samples of a loop in a tight budget of which this number of evaluations is left.
 pub(super) fn tight_samples(left: usize) -> usize {
-    (left / TIGHT_SAMPLES_PART).max(FEW_SAMPLES)
+    (left / DIVISOR_OF_TIGHT_SAMPLES).max(FEW_SAMPLES)
 }
 
 /// Samples of one loop in an ample budget: as many as the given loop at all step sizes, the random loops at the

@@ -34,12 +34,12 @@ pub struct Progress {
     limit: usize,
     /// Evaluations for each one that is counted: a map may be composed with itself.
     repeat: usize,
-    expected: Mutex<Expected>,
+    expected: Mutex<Forecast>,
 }
 
 /// The check under way, and the evaluations that are expected.
 #[derive(Clone, Copy, Debug, Default)]
-struct Expected {
+struct Forecast {
     check: Option<Check>,
     /// Evaluations finished when the check ends, and those of all later checks. Unknown before the first step of the given loop.
     of_check: Option<(usize, usize)>,
@@ -85,7 +85,7 @@ impl Progress {
         self.finished.load(Ordering::Relaxed)
     }
 
-    fn expected(&self) -> Expected {
+    fn expected(&self) -> Forecast {
         *self.expected.lock().unwrap_or_else(PoisonError::into_inner)
     }
 

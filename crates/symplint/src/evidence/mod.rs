@@ -28,7 +28,7 @@ pub use point::{BreakAt, Point, Sweep};
 pub use preserved_form::{DigitsOfMatrix, FormEntry, FormOnLoop, PreservedForm};
 pub(crate) use preserved_form::{monomial, uncertain_part};
 pub use step::{Closing, JumpingCells, StepEvidence, Wrap};
-pub(crate) use step::{MAX_BOUND, MAX_CELLS_BETWEEN_SAMPLES};
+pub(crate) use step::{MAX_BOUND_ON_DEFECT, MAX_CELLS_BETWEEN_SAMPLES};
 pub use structure::{EnergyAtStep, EnergyChange, ReturnDefect, StructureEvidence};
 pub use survey::{
     HeldCoordinate, OutputFormat, OutputPrecision, Rank, Scatter, ScatterKind, SingularJacobian,
@@ -42,7 +42,7 @@ use crate::jacobian::{JacobianDecay, JacobianEvidence};
 use crate::rules::RuleKind;
 
 /// Fewer samples than this do not show whether a loop is smooth.
-pub(crate) const MIN_SAMPLES: usize = 32;
+pub(crate) const MIN_SAMPLES_OF_SHAPE: usize = 32;
 
 /// Step sizes at which a loop has a significant defect, at least, if its defect is to show how it depends on h.
 pub(crate) const MIN_STEP_SIZES_OF_LAW: usize = 3;

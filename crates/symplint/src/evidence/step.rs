@@ -99,7 +99,7 @@ pub(crate) const MAX_CELLS_BETWEEN_SAMPLES: f64 = 0.5;
 
 /// A bound on the defect above this is too weak to call a map symplectic. Conventional: single precision
 /// gives bounds of 1e-7 and should pass.
-pub(crate) const MAX_BOUND: f64 = 1e-6;
+pub(crate) const MAX_BOUND_ON_DEFECT: f64 = 1e-6;
 
 impl Closing {
     /// Whether the closed integral changes, however the breaks are closed: what other curves than straight segments could
@@ -135,6 +135,6 @@ impl StepEvidence {
     /// Whether it bounds the defect well enough to call a map symplectic.
     pub fn is_bounded(&self) -> bool {
         // Not `bound > …`: a bound that is not a number is not valid.
-        matches!(self.bound(), 0.0..=MAX_BOUND)
+        matches!(self.bound(), 0.0..=MAX_BOUND_ON_DEFECT)
     }
 }

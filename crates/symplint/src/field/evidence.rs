@@ -4,7 +4,7 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use super::limits::{MAX_CURL_OF_SOLVER, MIN_CURL};
+use super::limits::{MAX_SOLVER_TOLERANCE, MIN_CURL};
 use crate::signal::SIGNIFICANT;
 
 /// The kind of function under test.
@@ -176,7 +176,7 @@ pub struct FieldEvidence {
     /// Whether larger loops were searched for jumps of a solver, which is done if all that speaks against a gradient is small.
     pub is_searched: bool,
     /// Parts of the test that the budget did not allow.
-    pub omitted: Vec<Omitted>,
+    pub omitted: Vec<OmittedPart>,
     /// States at which the force was evaluated.
     pub evaluations: usize,
     /// The most that were allowed.
@@ -195,14 +195,14 @@ impl FieldEvidence {
     /// Whether some loop integral is not zero, but all are as small as an iteration that stops at a tolerance leaves them.
     pub(super) fn is_small(&self) -> bool {
         let mut clear = self.loops.iter().filter(|work| work.is_clear()).peekable();
-        clear.peek().is_some() && clear.all(|work| work.relative() < MAX_CURL_OF_SOLVER)
+        clear.peek().is_some() && clear.all(|work| work.relative() < MAX_SOLVER_TOLERANCE)
     }
 }
 
 /// A part of the test that was left out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Omitted {
+pub enum OmittedPart {
     /// Random loops.
     Loops {
         /// How many.

@@ -4,7 +4,8 @@ use serde::{Deserialize, Serialize};
 
 use super::evidence::{FieldEvidence, FieldKind, LoopKind, LoopWork};
 use super::limits::{
-    ALLOWANCE_OF_ONE_LOOP, MAX_CURL_OF_SOLVER, MAX_CURL_OVER_JUMPS, MAX_JUMP_OF_SOLVER, MIN_DIGITS,
+    ALLOWANCE_OF_ONE_LOOP, MAX_CURL_OVER_JUMPS, MAX_JUMP_OF_SOLVER, MAX_SOLVER_TOLERANCE,
+    MIN_DIGITS,
 };
 
 /// The answer.
@@ -174,7 +175,7 @@ fn judge(evidence: &FieldEvidence) -> (Certainty, Option<f64>) {
             () if one_position => Certainty::NoFunction(index),
             () if differs => Certainty::Repetitions,
             () if evidence.loops[index].is_steep => Certainty::Steep(index),
-            () if evidence.jumps() < MAX_CURL_OF_SOLVER => Certainty::Tolerance(index),
+            () if evidence.jumps() < MAX_SOLVER_TOLERANCE => Certainty::Tolerance(index),
             () => Certainty::WorkAcrossJumps(index),
         };
         return (found, None);

@@ -64,7 +64,7 @@ pub(super) const REPEATED_STATES: usize = 6;
 pub(super) const MIN_BUDGET: usize = 100;
 
 /// Evaluations that are made before the budget is divided: two states for the unit, periods, the first samples, and states again.
-pub(super) const EVALUATIONS_OF_FIRST_LOOP: usize =
+pub(super) const EVALUATIONS_BEFORE_LOOPS: usize =
     2 + 1 + MAX_WINDING_LOOPS + FIRST_SAMPLES + REPEATED_STATES + 2;
 
 /// Evaluations that each loop should have. Derived: one doubling of the first samples, which a smooth force takes.
@@ -73,16 +73,17 @@ pub(super) const EVALUATIONS_PER_LOOP: usize = 2 * FIRST_SAMPLES;
 /// Coefficients of a loop that decay slower than m to this power have jumps: those of a jump decay as 1/m, of a kink as 1/m².
 pub(super) const MAX_DECAY_OF_JUMPS: f64 = 1.5;
 
-/// Curls below this part of the scale may come from a solver that stops at a tolerance. Conventional: the loosest tolerance in use.
-pub(super) const MAX_CURL_OF_SOLVER: f64 = 1e-3;
+/// Curls, and jumps, below this part of the scale may come from a solver that stops at a tolerance. Conventional: the loosest tolerance of
+/// solvers for forces.
+pub(super) const MAX_SOLVER_TOLERANCE: f64 = 1e-3;
 
 /// Jumps of a force with such a curl may come from the same solver if they are smaller than this. Calibrated: solvers with a tolerance of
 /// 1e-3 make jumps of 0.02 on small loops.
 pub(super) const MAX_JUMP_OF_SOLVER: f64 = 0.1;
 
-/// The part of the change between two samples that one jump makes at least. Conventional: tens of pairs may cross a cut-off between two
+/// A jump makes at least this part of the change between two samples. Conventional: tens of pairs may cross a cut-off between two
 /// samples; what is continuous leaves 2^-40.
-pub(super) const MIN_PART_OF_JUMP: f64 = 0.02;
+pub(super) const MIN_JUMP_OVER_CHANGE: f64 = 0.02;
 
 /// A curl up to this many times the jumps of a solver comes from the solver. Derived: the error at which it stops is
 /// up to 1/(1 − ρ) times its last change, and converging iterations have ρ below 0.97.
@@ -92,8 +93,8 @@ pub(super) const MAX_CURL_OVER_JUMPS: f64 = 32.0;
 /// jump on any of them.
 pub(super) const FACTORS_OF_SOLVER_LOOPS: [f64; 3] = [8.0, 32.0, 2.0];
 
-/// How many of them are needed; each has to be resolved, or to have all samples.
-pub(super) const SOLVER_LOOPS: usize = 2;
+/// The number of these loops that must be measured; each has to be resolved, or to have all samples.
+pub(super) const MIN_SOLVER_LOOPS: usize = 2;
 
 /// Samples of each of them at most. Conventional.
 pub(super) const MAX_SAMPLES_OF_SOLVER_LOOP: usize = 2048;
@@ -104,8 +105,8 @@ pub(super) const MIN_EVALUATIONS_OF_SOLVER_LOOP: usize = 4 * FIRST_SAMPLES;
 /// Steps of the bisection of a jump: down to 2^-40 of a sample's distance.
 pub(super) const BISECTIONS: usize = 40;
 
-/// The rates of damping that loops show agree if they differ by less than this part. Conventional.
-pub(super) const MAX_DIFFERENCE_OF_RATES: f64 = 0.01;
+/// Loops show the rate of damping if each is known to this part of itself. Conventional.
+pub(super) const MAX_RELATIVE_ERROR_OF_RATE: f64 = 0.01;
 
 /// Numbers in the states that are evaluated in one call: 64 MiB.
 pub(super) const MAX_VALUES_PER_CALL: usize = 1 << 23;

@@ -1,17 +1,17 @@
 //! All loops and pairs of a test, within its budget.
 
-use super::evidence::{FieldEvidence, FieldKind, LoopKind, LoopWork, Omitted};
+use super::evidence::{FieldEvidence, FieldKind, LoopKind, LoopWork, OmittedPart};
 use super::integrand::Integrand;
 use super::limits::{
     EVALUATIONS_PER_LOOP, FACTORS_OF_SOLVER_LOOPS, FIRST_SAMPLES, FIRST_SAMPLES_OF_PAIR,
-    MAX_DIFFERENCE_OF_RATES, MAX_SAMPLES_OF_ONE_POSITION, MAX_SAMPLES_OF_SOLVER_LOOP,
-    MAX_WINDING_LOOPS, MIN_EVALUATIONS_OF_SOLVER_LOOP, RANDOM_PAIRS, SOLVER_LOOPS,
+    MAX_RELATIVE_ERROR_OF_RATE, MAX_SAMPLES_OF_ONE_POSITION, MAX_SAMPLES_OF_SOLVER_LOOP,
+    MAX_WINDING_LOOPS, MIN_EVALUATIONS_OF_SOLVER_LOOP, MIN_SOLVER_LOOPS, RANDOM_PAIRS,
 };
 use super::noise;
 use super::pairs::Pairs;
-use super::work::{Integration, Known, Limits};
+use super::work::{Integration, Limits, PowerAccuracy};
 use crate::error::Error;
-use crate::loops::{FourierLoop, MAX_SAMPLES};
+use crate::loops::{FourierLoop, MAX_SAMPLES_OF_DOUBLING};
 use crate::map::states_at;
 use crate::signal::parameter;
 
@@ -50,7 +50,7 @@ impl Measurement<'_> {
         };
         let found = pairs.run()?;
         if found.is_empty() && self.integrand.moving() > 1 {
-            evidence.omitted.push(Omitted::Pairs);
+            evidence.omitted.push(OmittedPart::Pairs);
         }
         evidence.curl = pairs.curl(&found);
         evidence.worst = pairs.worst(&found)?;
@@ -82,9 +82,9 @@ impl Measurement<'_> {
         around: &FourierLoop,
         first: &Integration<'_>,
         evidence: &mut FieldEvidence,
-    ) -> Result<Known, Error> {
+    ) -> Result<PowerAccuracy, Error> {
         let (speed, moving) = (first.moments.speed(), self.integrand.moving() as f64);
-        let known = Known {
+        let known = PowerAccuracy {
             repetitions: noise::of_repetitions(self.integrand, around, &first.power)?,
             noise: noise::over_short_distances(self.integrand, around)?,
             on: [speed, first.moments.size()],
@@ -103,7 +103,7 @@ impl Measurement<'_> {
             .collect();
         if periods.len() > MAX_WINDING_LOOPS {
             let count = periods.len() - MAX_WINDING_LOOPS;
-            evidence.omitted.push(Omitted::Periods { count });
+            evidence.omitted.push(OmittedPart::Periods { count });
             periods.truncate(MAX_WINDING_LOOPS);
         }
         periods
@@ -123,7 +123,7 @@ impl Measurement<'_> {
         let loops = self.loops.min((left / EVALUATIONS_PER_LOOP).max(1));
         if loops < self.loops {
             let count = self.loops - loops;
-            evidence.omitted.push(Omitted::Loops { count });
+            evidence.omitted.push(OmittedPart::Loops { count });
         }
         loops
     }
@@ -141,7 +141,7 @@ impl Measurement<'_> {
     fn random_loops(
         &self,
         first: Integration<'_>,
-        known: Known,
+        known: PowerAccuracy,
         (loops, winding): (usize, usize),
         evidence: &mut FieldEvidence,
     ) -> Result<(), Error> {
@@ -150,7 +150,7 @@ impl Measurement<'_> {
         let samples = if is_one {
             MAX_SAMPLES_OF_ONE_POSITION
         } else {
-            MAX_SAMPLES
+            MAX_SAMPLES_OF_DOUBLING
         };
         let limits = self.limits(samples, loops + winding, evidence);
         evidence
@@ -182,28 +182,28 @@ impl Measurement<'_> {
     fn winding_loops(
         &self,
         periods: &[usize],
-        known: Known,
+        known: PowerAccuracy,
         loops: usize,
         evidence: &mut FieldEvidence,
     ) -> Result<(), Error> {
         for (k, &dof) in periods.iter().enumerate() {
             if self.left() < FIRST_SAMPLES + self.kept_for_pairs() {
                 let count = periods.len() - k;
-                evidence.omitted.push(Omitted::Periods { count });
+                evidence.omitted.push(OmittedPart::Periods { count });
                 break;
             }
             let period = self.integrand.evaluator.coordinates().period(dof);
             let phase_loop = self.random(loops + k, 1.0)?.winding(dof, period)?;
             let limits = Limits {
                 confirms: true,
-                ..self.limits(MAX_SAMPLES, periods.len() - k, evidence)
+                ..self.limits(MAX_SAMPLES_OF_DOUBLING, periods.len() - k, evidence)
             };
             let begun = Integration::begin(self.integrand, &phase_loop, FIRST_SAMPLES);
             let kind = LoopKind::Winding { dof };
             match begun.and_then(|begun| begun.finish(kind, known, limits)) {
                 // On its way around the period an atom may meet others.
                 Err(error) if error.is_of_map() => {
-                    evidence.omitted.push(Omitted::Periods { count: 1 });
+                    evidence.omitted.push(OmittedPart::Periods { count: 1 });
                 }
                 found => evidence.loops.push(found?),
             }
@@ -214,7 +214,7 @@ impl Measurement<'_> {
     /// Searches larger loops for jumps of a solver, where the number of its iterations changes; `first` is the index of the first of them.
     fn search_for_solver(
         &self,
-        known: Known,
+        known: PowerAccuracy,
         first: usize,
         evidence: &mut FieldEvidence,
     ) -> Result<(), Error> {
@@ -239,7 +239,7 @@ impl Measurement<'_> {
             // Jumps of a loop that is resolved would show.
             shows_jumps &= work.is_resolved || work.samples >= MAX_SAMPLES_OF_SOLVER_LOOP;
             searched += 1;
-            evidence.is_searched = shows_jumps && searched >= SOLVER_LOOPS;
+            evidence.is_searched = shows_jumps && searched >= MIN_SOLVER_LOOPS;
             evidence.loops.push(work);
             self.reached(factor * self.wide, evidence);
         }
@@ -287,7 +287,7 @@ fn damping(evidence: &FieldEvidence) -> Option<(f64, f64)> {
     let (rate, error) = rates.iter().copied().min_by(|a, b| a.1.total_cmp(&b.1))?;
     let agree = |other: &(f64, f64)| {
         (other.0 - rate).abs() <= 2.0 * (other.1 + error)
-            && other.1 <= MAX_DIFFERENCE_OF_RATES * rate.abs()
+            && other.1 <= MAX_RELATIVE_ERROR_OF_RATE * rate.abs()
     };
     (rates.len() > 1 && rates.iter().all(agree)).then_some((rate, error))
 }
@@ -295,7 +295,7 @@ fn damping(evidence: &FieldEvidence) -> Option<(f64, f64)> {
 /// Checks that stated periods are those of the form, at a state of a loop.
 fn check_periods(integrand: &Integrand<'_>, around: &FourierLoop) -> Result<(), Error> {
     /// Differences below this part of the form may be rounding in single precision.
-    const MAX_ROUNDING_OF_SINGLE: f64 = 1e-4;
+    const MAX_CHANGE_BY_SINGLE: f64 = 1e-4;
     let coordinates = integrand.evaluator.coordinates();
     let periodic: Vec<usize> = (0..coordinates.dof())
         .filter(|&i| coordinates.period(i) > 0.0)
@@ -314,7 +314,7 @@ fn check_periods(integrand: &Integrand<'_>, around: &FourierLoop) -> Result<(), 
         let largest =
             |of: &dyn Fn(&[f64]) -> f64| form.iter().fold(0.0, |m: f64, row| m.max(of(row)));
         let difference = largest(&|row| (row[1 + k] - row[0]).abs());
-        if difference > MAX_ROUNDING_OF_SINGLE * largest(&|row| row[0].abs()) {
+        if difference > MAX_CHANGE_BY_SINGLE * largest(&|row| row[0].abs()) {
             return Err(Error::NotAPeriodOfForce {
                 dof,
                 period: coordinates.period(dof),

@@ -30,7 +30,7 @@ mod text;
 mod work;
 
 pub use evidence::{
-    CoordinateName, Curl, FieldEvidence, FieldKind, LoopKind, LoopWork, Omitted, WorstPair,
+    CoordinateName, Curl, FieldEvidence, FieldKind, LoopKind, LoopWork, OmittedPart, WorstPair,
 };
 pub use judge::{Certainty, FieldReport, FieldVerdict};
 

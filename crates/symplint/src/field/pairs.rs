@@ -11,7 +11,7 @@ use super::limits::{
     RANDOM_PAIRS,
 };
 use super::radius::direction;
-use super::work::{Integration, Known, Limits};
+use super::work::{Integration, Limits, PowerAccuracy};
 use crate::error::Error;
 use crate::loops::{FourierLoop, Loop};
 use crate::signal::parameter;
@@ -25,7 +25,7 @@ pub(super) struct Pairs<'a> {
     pub integrand: &'a Integrand<'a>,
     /// Ellipses have their centres on this loop.
     pub around: &'a FourierLoop,
-    pub known: Known,
+    pub known: PowerAccuracy,
     pub seed: u64,
     /// Whether all pairs of coordinates are tested, and not random directions.
     pub takes_all: bool,

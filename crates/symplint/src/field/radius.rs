@@ -6,7 +6,7 @@ use chacha20::rand_core::SeedableRng;
 use super::FieldKind;
 use super::integrand::Integrand;
 use super::limits::{
-    EVALUATIONS_OF_FIRST_LOOP, FACTOR_OF_WIDE_LOOPS, MAX_HALVINGS_OF_RADIUS, MAX_NONLINEAR_PART,
+    EVALUATIONS_BEFORE_LOOPS, FACTOR_OF_WIDE_LOOPS, MAX_HALVINGS_OF_RADIUS, MAX_NONLINEAR_PART,
     MAX_ROUNDING_NOISE, PART_OF_CENTRE,
 };
 use crate::error::{Error, StateAt};
@@ -109,7 +109,7 @@ pub(super) fn suggested(
         ))
     };
     for halving in 0..=MAX_HALVINGS_OF_RADIUS {
-        if evaluator.count().left() < 2 + EVALUATIONS_OF_FIRST_LOOP {
+        if evaluator.count().left() < 2 + EVALUATIONS_BEFORE_LOOPS {
             break;
         }
         let factor = 0.5_f64.powi(halving as i32);

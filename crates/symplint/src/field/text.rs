@@ -5,7 +5,7 @@ use std::fmt;
 use serde::ser::SerializeStruct;
 use serde::{Serialize, Serializer};
 
-use super::evidence::{FieldKind, LoopKind, LoopWork, Omitted};
+use super::evidence::{FieldKind, LoopKind, LoopWork, OmittedPart};
 use super::judge::{Certainty, FieldReport, FieldVerdict};
 use crate::signal::SIGNIFICANT;
 use crate::text::{plain_numbers, two_digits};
@@ -224,13 +224,13 @@ impl FieldReport {
         ));
         for omitted in &evidence.omitted {
             found.push(match omitted {
-                Omitted::Loops { count } => {
+                OmittedPart::Loops { count } => {
                     format!("Not tested: {count} more random loops; the budget was too small.")
                 }
-                Omitted::Pairs => {
+                OmittedPart::Pairs => {
                     "Not tested: pairs of directions; the budget was too small.".into()
                 }
-                Omitted::Periods { count } => {
+                OmittedPart::Periods { count } => {
                     format!("Not tested: loops around the periods of {count} positions.")
                 }
             });

@@ -2,7 +2,7 @@
 
 use super::evidence::{LoopKind, LoopWork};
 use super::integrand::{Integrand, Moments};
-use super::limits::{BISECTIONS, MAX_ROUNDING_NOISE, MIN_PART_OF_JUMP, ROUNDINGS_OF_TERMS};
+use super::limits::{BISECTIONS, MAX_ROUNDING_NOISE, MIN_JUMP_OVER_CHANGE, ROUNDINGS_OF_TERMS};
 use super::spectrum::Spectrum;
 use crate::error::Error;
 use crate::loops::FourierLoop;
@@ -11,7 +11,7 @@ use crate::signal::noise::SAFETY;
 
 /// How exactly the power is known on one loop.
 #[derive(Clone, Copy)]
-pub(super) struct Known {
+pub(super) struct PowerAccuracy {
     /// The standard deviation over short distances.
     pub noise: f64,
     /// The largest difference of repeated evaluations.
@@ -20,7 +20,7 @@ pub(super) struct Known {
     pub on: [f64; 2],
 }
 
-impl Known {
+impl PowerAccuracy {
     /// How many times as large noise is on a loop of these moments.
     fn factor(&self, moments: &Moments) -> f64 {
         let [speed, size] = self.on;
@@ -100,7 +100,7 @@ impl<'a> Integration<'a> {
     pub fn finish(
         mut self,
         kind: LoopKind,
-        known: Known,
+        known: PowerAccuracy,
         limits: Limits,
     ) -> Result<LoopWork, Error> {
         let mut made = 0;
@@ -126,7 +126,7 @@ impl<'a> Integration<'a> {
         self.work(kind, &spectrum, noise, known)
     }
 
-    fn noise(&self, known: Known, spectrum: &Spectrum) -> Noise {
+    fn noise(&self, known: PowerAccuracy, spectrum: &Spectrum) -> Noise {
         let terms = f64::EPSILON * self.moments.terms();
         let rounding = ROUNDINGS_OF_TERMS * (terms + f64::EPSILON * spectrum.mean.abs());
         let factor = known.factor(&self.moments);
@@ -164,7 +164,7 @@ impl<'a> Integration<'a> {
         kind: LoopKind,
         spectrum: &Spectrum,
         noise: f64,
-        known: Known,
+        known: PowerAccuracy,
     ) -> Result<LoopWork, Error> {
         let moments = &self.moments;
         let is_resolved = spectrum.error() <= self.noise(known, spectrum).of_samples;
@@ -229,7 +229,7 @@ impl<'a> Integration<'a> {
                 false => (low, of_low) = (middle, of_middle),
             }
         }
-        let is_jump = (of_high - of_low).abs() > MIN_PART_OF_JUMP * whole;
+        let is_jump = (of_high - of_low).abs() > MIN_JUMP_OVER_CHANGE * whole;
         Ok(is_jump.then_some(low))
     }
 }

@@ -4,8 +4,8 @@ use super::constants::CONSTANTS;
 use super::{JacobianTest, richardson};
 use crate::signal::noise::NODES_BESIDE;
 
-/// Points that come before more tangent vectors at each.
-const MIN_POINTS: usize = 2;
+/// This number of points is preferred to more tangent vectors at one point.
+const PREFERRED_POINTS: usize = 2;
 
 impl JacobianTest {
     /// Evaluations that the test makes of a map in `dof` degrees of freedom, with a tangent map or without: at
@@ -58,7 +58,7 @@ impl JacobianTest {
                 })
             }
         };
-        (candidates().find_map(with_points(MIN_POINTS)))
+        (candidates().find_map(with_points(PREFERRED_POINTS)))
             .or_else(|| candidates().find_map(with_points(1)))
     }
 }

@@ -6,8 +6,11 @@ use super::directions::Directions;
 use super::richardson::{self, LEVELS};
 use super::sampler::Sampler;
 use crate::error::Error;
-use crate::signal::{NEGLIGIBLE, nearest};
+use crate::signal::nearest;
 use crate::state::{Block, Ensemble, coordinate, coordinate_mut};
+
+/// A unit vector of which no more than this is left in addition to those that are taken already depends on them: differences have errors.
+const MAX_DEPENDENT_PART: f64 = 1e-3;
 
 impl Sampler<'_> {
     /// Columns along these directions at a point; if the map acts on a manifold, along tangent vectors of it: a basis
@@ -66,7 +69,7 @@ impl Sampler<'_> {
         let mut basis: Vec<Derivative> = Vec::new();
         while let Some(pivot) = (0..left.len())
             .max_by(|&a, &b| norm(&left[a]).total_cmp(&norm(&left[b])))
-            .filter(|&pivot| norm(&left[pivot]) > NEGLIGIBLE * largest)
+            .filter(|&pivot| norm(&left[pivot]) > MAX_DEPENDENT_PART * largest)
         {
             let taken = left.swap_remove(pivot);
             let squared = norm(&taken).powi(2);

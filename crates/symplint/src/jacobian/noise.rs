@@ -1,6 +1,6 @@
 //! The noise of a map along a direction: rounding, single precision, solvers that stop at a tolerance.
 
-use crate::signal::noise::{MAX_OVER_OTHERS, NODES_BESIDE};
+use crate::signal::noise::{MAX_NOISE_OVER_OTHERS, NODES_BESIDE};
 
 /// Spacings, in units of the direction; the largest reaches as far as the differences.
 pub(super) const SPACINGS: [f64; 4] = [1.434e-5, 2.371e-4, 3.883e-3, 2.0e-2];
@@ -18,6 +18,7 @@ pub(super) fn offsets(level: usize) -> impl Iterator<Item = f64> {
 /// If a coordinate does not respond at all, it is constant (clipped, for example) if it has many digits at another place. Otherwise
 /// its noise is as large as the loop: it is coarser than the differences.
 pub(super) fn at_each_place(shown: &[Option<f64>]) -> Vec<f64> {
+    /// A coordinate that does not respond is constant if its noise at another place is at most this.
     const MAX_NOISE_OF_CONSTANT: f64 = 1e-10;
     let least = shown.iter().flatten().copied().reduce(f64::min);
     let of_constant = least
@@ -28,7 +29,7 @@ pub(super) fn at_each_place(shown: &[Option<f64>]) -> Vec<f64> {
     sorted.sort_by(f64::total_cmp);
     let median = sorted[sorted.len() / 2];
     (shown.iter())
-        .map(|&own| median.max(own.min(MAX_OVER_OTHERS * median)))
+        .map(|&own| median.max(own.min(MAX_NOISE_OVER_OTHERS * median)))
         .collect()
 }
 

@@ -5,7 +5,7 @@ use crate::error::Error;
 use crate::signal::{Extent, nearest, parameters};
 use crate::state::{Coordinates, Ensemble, coordinate, period};
 
-/// A part of the loop on which it hardly moves: round its end, a loop of a few modes moves by 1e-8 of its size.
+/// A part of the loop on which it hardly moves: around its end, a loop of a few modes moves by 1e-8 of its size.
 const STEP_BESIDE_END: f64 = 1.0 / (1 << 30) as f64;
 
 /// Steps of this length on either side of the end.
@@ -13,7 +13,7 @@ const STEPS_BESIDE_END: usize = 3;
 
 /// From its last point to its first a loop moves as it does on one of the two sides, or between them at a corner. It has a
 /// gap if it moves otherwise, by this many times the difference between the steps of one side.
-const MIN_GAP: f64 = 64.0;
+const MIN_GAP_OVER_STEPS: f64 = 64.0;
 
 /// Rounding of the loop's own arithmetic, in units in the last place. Jumps of less are no breaks either.
 const MAX_ROUNDINGS_OF_LOOP: f64 = 1024.0;
@@ -82,7 +82,7 @@ pub(crate) fn check_closed(phase_loop: &dyn Loop, coordinates: &Coordinates) -> 
             true => f64::from(f32::EPSILON),
             false => f64::EPSILON,
         };
-        let allowed = MIN_GAP * before.length().max(after.length())
+        let allowed = MIN_GAP_OVER_STEPS * before.length().max(after.length())
             + MAX_ROUNDINGS_OF_LOOP * rounding * magnitude;
         let mut beside = before;
         beside.include(after.middle() - 0.5 * after.length());

@@ -20,7 +20,7 @@ use crate::state::Block;
 pub(crate) const FEW_SAMPLES: usize = 64;
 
 /// The most samples of automatic doubling.
-pub(crate) const MAX_SAMPLES: usize = 1 << 16;
+pub(crate) const MAX_SAMPLES_OF_DOUBLING: usize = 1 << 16;
 
 /// A closed curve in phase space that can be sampled at any s.
 ///

@@ -97,7 +97,8 @@ fn each_state<E>(
     })
 }
 
-// Compiled once, not for each closure.
+// These three are compiled once, not for each closure.
+
 fn read(block: &Block<'_>, sample: usize, q: &mut [f64], p: &mut [f64]) {
     for (i, (q, p)) in q.iter_mut().zip(p).enumerate() {
         *q = block.q.row(i)[sample];

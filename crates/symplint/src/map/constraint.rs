@@ -57,9 +57,9 @@ pub struct ProjectedLoop<'a, L> {
 }
 
 /// The manifold of a map that has one.
-struct ManifoldOf<M>(M);
+struct ProjectionMap<M>(M);
 
-impl<M: TimeAdvance> Constraint for ManifoldOf<M> {
+impl<M: TimeAdvance> Constraint for ProjectionMap<M> {
     fn project(&self, block: &mut Block<'_>) {
         if let Some(constraint) = self.0.capabilities().constraint {
             constraint.project(block);
@@ -78,7 +78,7 @@ impl<'a, L: Loop> ProjectedLoop<'a, L> {
     pub fn new(inner: L, map: impl TimeAdvance + 'a) -> Self {
         ProjectedLoop {
             inner,
-            constraint: Some(Box::new(ManifoldOf(map))),
+            constraint: Some(Box::new(ProjectionMap(map))),
         }
     }
 

@@ -47,7 +47,7 @@ pub(crate) struct Grain {
 }
 
 /// The loop before the step, as far as it is known: some equispaced samples of it.
-pub(crate) enum Before {
+pub(crate) enum SamplesBefore {
     Unknown,
     /// The states before the step.
     Exact(Ensemble),
@@ -79,7 +79,7 @@ impl Grain {
         coordinates: &Coordinates,
         inside: Option<&[f64]>,
         value: impl Fn(usize, usize) -> f64,
-        before: impl FnOnce(usize) -> Before,
+        before: impl FnOnce(usize) -> SamplesBefore,
     ) -> Option<Self> {
         let dof = coordinates.dof();
         if samples < MIN_SAMPLES || !Self::is_affordable(dof) {
@@ -258,11 +258,11 @@ impl CoordinateGrain {
 }
 
 /// Corrects what all coordinates show with what is known of the loop before the step.
-fn correct(seen: &mut [CoordinateGrain], before: &Before) {
+fn correct(seen: &mut [CoordinateGrain], before: &SamplesBefore) {
     let (states, written) = match before {
-        Before::Unknown => (None, true),
-        Before::Exact(states) => (Some(states), false),
-        Before::Written(states) => (Some(states), true),
+        SamplesBefore::Unknown => (None, true),
+        SamplesBefore::Exact(states) => (Some(states), false),
+        SamplesBefore::Written(states) => (Some(states), true),
     };
     for (c, seen) in seen.iter_mut().enumerate() {
         match states {
@@ -336,8 +336,10 @@ mod tests {
                 0 => unit * (1.5e3 * (k as f64).sin()).round() / 1e3,
                 _ => 0.25 * (k as f64).cos() / unit,
             };
-            let grain =
-                Grain::of(64, &Coordinates::plain(1), None, value, |_| Before::Unknown).unwrap();
+            let grain = Grain::of(64, &Coordinates::plain(1), None, value, |_| {
+                SamplesBefore::Unknown
+            })
+            .unwrap();
             assert!((grain.of_coordinate(0) / unit - 1e-3).abs() < 1e-12);
             assert!((grain.of_coordinate(1) * unit - 0.5e-3 / 3.0).abs() < 1e-6);
             assert!(grain.is_exceeded(0, -0.017 * unit) && !grain.is_exceeded(0, 0.015 * unit));
@@ -347,7 +349,7 @@ mod tests {
             &Coordinates::plain(1),
             None,
             |c, k| (c as f64 + 0.3 * k as f64).sin(),
-            |_| Before::Unknown,
+            |_| SamplesBefore::Unknown,
         )
         .unwrap();
         assert_eq!(exact.sizes, [0.0; 2]);
@@ -358,7 +360,7 @@ mod tests {
                 &Coordinates::plain(1),
                 None,
                 |_, _| 0.0,
-                |_| Before::Unknown
+                |_| SamplesBefore::Unknown
             ),
             None
         );
@@ -405,16 +407,20 @@ mod tests {
             let x = if c == 1 || c == 3 { 50.0 + 1e-5 * x } else { x };
             f64::from(x as f32)
         };
-        let grain =
-            Grain::of(64, &Coordinates::plain(2), None, value, |_| Before::Unknown).unwrap();
+        let grain = Grain::of(64, &Coordinates::plain(2), None, value, |_| {
+            SamplesBefore::Unknown
+        })
+        .unwrap();
         assert!(grain.is_exceeded(0, 1e-5), "{grain:?}");
         // It does not hide jumps of the same degree of freedom either, except small ones.
         let value = |c: usize, k: usize| match c {
             0 => 1e-2 * (0.37 * k as f64).sin(),
             _ => f64::from((50.0 + 1e-5 * (0.37 * k as f64).cos()) as f32),
         };
-        let grain =
-            Grain::of(64, &Coordinates::plain(1), None, value, |_| Before::Unknown).unwrap();
+        let grain = Grain::of(64, &Coordinates::plain(1), None, value, |_| {
+            SamplesBefore::Unknown
+        })
+        .unwrap();
         assert!(grain.is_exceeded(0, 1e-3), "{grain:?}");
     }
 
@@ -425,7 +431,7 @@ mod tests {
             0 => (1e-3 * (k as f64).sin()).rem_euclid(1.0),
             _ => f64::from((k as f64).cos() as f32),
         };
-        let grain = Grain::of(64, &periodic, None, value, |_| Before::Unknown).unwrap();
+        let grain = Grain::of(64, &periodic, None, value, |_| SamplesBefore::Unknown).unwrap();
         assert!(grain.of_coordinate(0) < 1e-9, "{grain:?}");
     }
 }

@@ -247,7 +247,7 @@ impl LoopSize {
         let given = self.radius.clone();
         let action = |i: usize| coordinates.weight(i).abs() * given[0][i] * given[1][i];
         let action = (0..given[0].len()).map(action).fold(0.0, f64::max);
-        let displaced = Displaced {
+        let displaced = DisplacedState {
             evaluator,
             state,
             open,
@@ -307,7 +307,11 @@ impl LoopSize {
 
     /// Ratios of the size of q to that of p that change with units as they should: of the motions in a step, or of
     /// the state; else the ratio of the largest sizes of the loop.
-    fn first_ratios(&self, displaced: &Displaced<'_>, motion: Option<&[Vec<f64>; 2]>) -> Vec<f64> {
+    fn first_ratios(
+        &self,
+        displaced: &DisplacedState<'_>,
+        motion: Option<&[Vec<f64>; 2]>,
+    ) -> Vec<f64> {
         let largest = [0, 1].map(|c: usize| self.radius[c].iter().copied().fold(0.0, f64::max));
         let usable = |ratio: &f64| ratio.is_normal();
         let typical = Some(largest[0] / largest[1]).filter(usable).unwrap_or(1.0);
@@ -356,14 +360,14 @@ impl LoopSize {
 }
 
 /// A state that is displaced in some degrees of freedom, all of them at once, and advanced by one step.
-struct Displaced<'a> {
+struct DisplacedState<'a> {
     evaluator: &'a Evaluator<'a>,
     state: &'a Ensemble,
     open: &'a [usize],
     h: f64,
 }
 
-impl Displaced<'_> {
+impl DisplacedState<'_> {
     /// By how much a step moves the state: positions and momenta of the open degrees of freedom.
     fn motion(&self) -> Result<[Vec<f64>; 2], Error> {
         let mut after = self.state.clone();

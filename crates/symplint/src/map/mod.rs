@@ -21,7 +21,7 @@ pub use closures::{PerBlock, PerSample, StepOutcome};
 pub use constraint::{Constraint, ProjectedLoop};
 pub(crate) use count::EvaluationCount;
 pub(crate) use evaluator::{Evaluator, states_at};
-pub(crate) use grain::{Before, Grain};
+pub(crate) use grain::{Grain, SamplesBefore};
 pub(crate) use image_loop::ImageLoop;
 pub(crate) use loop_size::{ActionGroup, LoopSize};
 pub use loop_size::{BalancedRadii, balanced_radii};

@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, PoisonError, RwLock};
 
-use super::{Before, Difference, Evaluator, Grain};
+use super::{Difference, Evaluator, Grain, SamplesBefore};
 use crate::loops::Loop;
 use crate::signal::{BITS_OF_SINGLE, MAX_ROUNDINGS_OF_SINGLE, nearest};
 use crate::state::{Ensemble, period};
@@ -85,8 +85,8 @@ impl Evaluator<'_> {
         if self.grain().is_none() {
             let inside = self.rounding_inside();
             let before = |count: usize| match Ensemble::sample(phase_loop, count) {
-                Ok(before) => Before::Exact(before),
-                Err(_) => Before::Unknown,
+                Ok(before) => SamplesBefore::Exact(before),
+                Err(_) => SamplesBefore::Unknown,
             };
             let found = Grain::of(
                 samples,

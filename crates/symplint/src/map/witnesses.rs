@@ -40,7 +40,7 @@ struct WitnessStore {
 }
 
 /// States that are about to be advanced.
-pub(super) struct Taken {
+pub(super) struct PendingStates {
     rows: Vec<usize>,
     before: Ensemble,
     whole: Option<Ensemble>,
@@ -63,7 +63,7 @@ impl Recorder {
     }
 
     /// Copies states of a batch that is about to be advanced, if they are to be kept.
-    pub fn take(&self, block: &Block<'_>) -> Option<Taken> {
+    pub fn take(&self, block: &Block<'_>) -> Option<PendingStates> {
         let states = self.kept(|kept| kept.wanted(block))?;
         let last = block.len() - 1;
         let rows: Vec<usize> = match states.min(block.len()) {
@@ -73,7 +73,7 @@ impl Recorder {
         let before = rows_of(block, &rows);
         let is_small = 2 * block.dof() * block.len() <= MAX_COORDINATES;
         let whole = is_small.then(|| block.copy_of(0..block.len()));
-        Some(Taken {
+        Some(PendingStates {
             rows,
             before,
             whole,
@@ -81,7 +81,7 @@ impl Recorder {
     }
 
     /// Keeps the states that were taken, and the same rows of the advanced block.
-    pub fn keep(&self, taken: Taken, h: f64, block: &Block<'_>) {
+    pub fn keep(&self, taken: PendingStates, h: f64, block: &Block<'_>) {
         let after = rows_of(block, &taken.rows);
         self.kept(|kept| {
             let phase_loop = (!kept.witnesses.is_empty()).then_some(kept.phase_loop);

@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 
 pub use number::parse as parse_number;
 pub use settings::{MAX_SAMPLES, SETTINGS};
-pub use value::{Accept, MAX_WHOLE_NUMBER, Part, Refused, Value};
+pub use value::{Accept, MAX_WHOLE_NUMBER, Part, Refusal, Value};
 
 use crate::diagnosis::Diagnostic;
 use crate::rules::Rule;
@@ -30,7 +30,7 @@ pub struct Setting {
     /// One line of documentation.
     pub help: &'static str,
     /// Reads a value into a diagnostic.
-    set: fn(&mut Diagnostic, &Value) -> Result<(), Refused>,
+    set: fn(&mut Diagnostic, &Value) -> Result<(), Refusal>,
 }
 
 /// Why settings are refused.
@@ -48,7 +48,7 @@ pub enum RequestError {
         /// The setting.
         name: &'static str,
         /// Why.
-        refused: Refused,
+        refused: Refusal,
     },
 }
 

@@ -1,6 +1,6 @@
 //! The table of settings.
 
-use super::{Accept, MAX_WHOLE_NUMBER, Refused, Setting, Value};
+use super::{Accept, MAX_WHOLE_NUMBER, Refusal, Setting, Value};
 use crate::diagnosis::{Diagnostic, MAX_LOOPS, MIN_BUDGET, SampleCount, SampleSweep};
 use crate::rules::{Closure, Cutoff, Cutoffs, Rule, RuleKind, Streaming};
 
@@ -189,13 +189,13 @@ pub const SETTINGS: &[Setting] = &[
 ];
 
 /// Reads a value into a diagnostic.
-type Set = fn(&mut Diagnostic, &Value) -> Result<(), Refused>;
+type Setter = fn(&mut Diagnostic, &Value) -> Result<(), Refusal>;
 
 const fn with_default(
     name: &'static str,
     value: &'static str,
     help: &'static str,
-    set: Set,
+    set: Setter,
 ) -> Setting {
     Setting {
         name,
@@ -211,7 +211,7 @@ const fn optional(
     name: &'static str,
     example: &'static str,
     help: &'static str,
-    set: Set,
+    set: Setter,
 ) -> Setting {
     Setting {
         is_optional: true,
@@ -219,22 +219,22 @@ const fn optional(
     }
 }
 
-fn rule(value: &Value) -> Result<Rule, Refused> {
+fn rule(value: &Value) -> Result<Rule, Refusal> {
     let name = value.text()?;
     Rule::named(name).ok_or_else(|| {
         let known: Vec<String> = (RuleKind::CHOICES.iter())
             .map(|kind| format!("\"{kind}\""))
             .collect();
         let remedy = format!("give one of {}", known.join(", "));
-        Refused::new(format!("is \"{name}\""), remedy)
+        Refusal::new(format!("is \"{name}\""), remedy)
     })
 }
 
-fn closure(value: &Value) -> Result<Closure, Refused> {
+fn closure(value: &Value) -> Result<Closure, Refusal> {
     match value.text()? {
         "substeps" => Ok(Closure::Substeps),
         "chords" => Ok(Closure::Chords),
-        other => Err(Refused::new(
+        other => Err(Refusal::new(
             format!("is \"{other}\""),
             "give \"substeps\" or \"chords\"",
         )),
@@ -247,7 +247,7 @@ fn cutoff(
     value: &Value,
     kind: fn(f64) -> Cutoff,
     of: fn(&mut Cutoffs) -> &mut Cutoff,
-) -> Result<(), Refused> {
+) -> Result<(), Refusal> {
     let cutoff = kind(value.number(Accept::Positive)?);
     if let Rule::FiniteDifference(cutoffs) = &mut diagnostic.rule {
         *of(cutoffs) = cutoff;
@@ -255,25 +255,25 @@ fn cutoff(
     Ok(())
 }
 
-fn typical_step(diagnostic: &mut Diagnostic, value: &Value) -> Result<(), Refused> {
+fn typical_step(diagnostic: &mut Diagnostic, value: &Value) -> Result<(), Refusal> {
     diagnostic.typical_step = Some(value.number(Accept::NotZero)?);
     diagnostic.step_sizes = Vec::new();
     Ok(())
 }
 
-fn step_sizes(diagnostic: &mut Diagnostic, value: &Value) -> Result<(), Refused> {
+fn step_sizes(diagnostic: &mut Diagnostic, value: &Value) -> Result<(), Refusal> {
     let is_typical = diagnostic.typical_step.is_some();
     if matches!(value, Value::Text(text) if text == "auto") {
         return match is_typical {
             true => Ok(()),
-            false => Err(Refused::new(
+            false => Err(Refusal::new(
                 "is \"auto\", which needs a typical step size to begin with",
                 "give `step_size = …`, the h that you compute with",
             )),
         };
     }
     if is_typical {
-        return Err(Refused::new(
+        return Err(Refusal::new(
             "is given together with step_size, a typical one from which step sizes are found",
             "leave one of the two out",
         ));
@@ -292,22 +292,22 @@ fn step_sizes(diagnostic: &mut Diagnostic, value: &Value) -> Result<(), Refused>
     let sizes = &diagnostic.step_sizes;
     if sizes.is_empty() {
         let remedy = "give one step size or more";
-        return Err(Refused::new("is an empty list", remedy));
+        return Err(Refusal::new("is an empty list", remedy));
     }
     if let Some(k) = (0..sizes.len()).find(|&k| sizes[..k].contains(&sizes[k])) {
         let message = format!("repeats {}", sizes[k]);
-        return Err(Refused {
+        return Err(Refusal {
             part: Some(super::Part::Item(k)),
-            ..Refused::new(message, "give each step size once")
+            ..Refusal::new(message, "give each step size once")
         });
     }
     Ok(())
 }
 
 /// Step sizes halved from the value of `from` down to `to`, which may be rounded.
-fn halved(value: &Value) -> Result<Vec<f64>, Refused> {
+fn halved(value: &Value) -> Result<Vec<f64>, Refusal> {
     let one = |name| {
-        let missing = || Refused::new(format!("has no `{name}`"), "write { from = …, to = … }");
+        let missing = || Refusal::new(format!("has no `{name}`"), "write { from = …, to = … }");
         let size = value.key(name, |item| item.number(Accept::Positive))?;
         size.ok_or_else(missing)
     };
@@ -318,13 +318,13 @@ fn halved(value: &Value) -> Result<Vec<f64>, Refused> {
         .take_while(|&h| h >= to * (1.0 - 1e-9))
         .collect();
     if sizes.is_empty() {
-        return Err(Refused::new(
+        return Err(Refusal::new(
             format!("goes from {from} to {to}"),
             "step sizes are halved: let `from` be the larger one",
         ));
     }
     if sizes.len() > MAX_HALVINGS + 1 {
-        return Err(Refused::new(
+        return Err(Refusal::new(
             format!("from {from} to {to} takes more than {MAX_HALVINGS} halvings"),
             format!("give a range of at most {MAX_HALVINGS} halvings"),
         ));
@@ -332,10 +332,10 @@ fn halved(value: &Value) -> Result<Vec<f64>, Refused> {
     Ok(sizes)
 }
 
-fn sample_sweep(value: &Value) -> Result<SampleSweep, Refused> {
+fn sample_sweep(value: &Value) -> Result<SampleSweep, Refusal> {
     let whole = |name, default| {
         let count = value.key(name, |item| item.whole(3, MAX_SAMPLES))?;
-        Ok::<u64, Refused>(count.unwrap_or(default))
+        Ok::<u64, Refusal>(count.unwrap_or(default))
     };
     let (from, to) = (whole("from", 1 << 6)?, whole("to", 1 << 15)?);
     let counts: Vec<usize> = std::iter::successors(Some(from), |&count| Some(2 * count))
@@ -343,7 +343,7 @@ fn sample_sweep(value: &Value) -> Result<SampleSweep, Refused> {
         .map(|count| count as usize)
         .collect();
     if counts.is_empty() {
-        return Err(Refused::new(
+        return Err(Refusal::new(
             format!("goes from {from} to {to}"),
             "numbers of samples are doubled: let `to` be the larger one",
         ));

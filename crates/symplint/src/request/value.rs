@@ -60,7 +60,7 @@ impl Accept {
 
 /// Why a value is refused.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Refused {
+pub struct Refusal {
     /// The problem, to follow the name of the setting: "is 0".
     pub message: String,
     /// What to do: "give a whole number of at least 1".
@@ -81,7 +81,7 @@ pub enum Part {
 }
 
 /// What follows the name of the setting.
-impl std::fmt::Display for Refused {
+impl std::fmt::Display for Refusal {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match &self.part {
             Some(Part::Item(k)) => write!(f, "[{k}]")?,
@@ -92,10 +92,10 @@ impl std::fmt::Display for Refused {
     }
 }
 
-impl Refused {
+impl Refusal {
     /// A value that may have this type but not this value.
     pub fn new(message: impl Into<String>, remedy: impl Into<String>) -> Self {
-        Refused {
+        Refusal {
             message: message.into(),
             remedy: remedy.into(),
             expected: None,
@@ -104,16 +104,16 @@ impl Refused {
     }
 
     fn beside(value: &Value, expected: &str, remedy: &str) -> Self {
-        Refused {
+        Refusal {
             expected: Some(expected.to_owned()),
-            ..Refused::new(format!("is {}, not {expected}", value.kind()), remedy)
+            ..Refusal::new(format!("is {}, not {expected}", value.kind()), remedy)
         }
     }
 
     fn outside(value: impl std::fmt::Display, expected: String) -> Self {
-        Refused {
+        Refusal {
             expected: Some(expected.clone()),
-            ..Refused::new(format!("is {value}"), format!("give {expected}"))
+            ..Refusal::new(format!("is {value}"), format!("give {expected}"))
         }
     }
 
@@ -143,7 +143,7 @@ impl Value {
     ///
     /// # Errors
     /// If it is something else, or is not accepted.
-    pub fn number(&self, accept: Accept) -> Result<f64, Refused> {
+    pub fn number(&self, accept: Accept) -> Result<f64, Refusal> {
         let value = match self {
             Value::Whole(number) => Some(*number as f64),
             Value::Number(number) => Some(*number),
@@ -152,11 +152,11 @@ impl Value {
         };
         let Some(value) = value else {
             let remedy = "write a number, \"2^-3\" or \"pi/2\"";
-            return Err(Refused::beside(self, "a number", remedy));
+            return Err(Refusal::beside(self, "a number", remedy));
         };
         match accept.holds(value) {
             true => Ok(value),
-            false => Err(Refused::outside(value, accept.expected().to_owned())),
+            false => Err(Refusal::outside(value, accept.expected().to_owned())),
         }
     }
 
@@ -164,16 +164,16 @@ impl Value {
     ///
     /// # Errors
     /// If it is something else.
-    pub fn whole(&self, least: u64, most: u64) -> Result<u64, Refused> {
+    pub fn whole(&self, least: u64, most: u64) -> Result<u64, Refusal> {
         let value = match self {
             Value::Whole(value) => *value as f64,
             _ => self.number(Accept::Finite)?,
         };
         if value > most as f64 {
-            Err(Refused::outside(value, format!("at most {most}")))
+            Err(Refusal::outside(value, format!("at most {most}")))
         } else if value.fract() != 0.0 || value < least as f64 {
             let expected = format!("a whole number of at least {least}");
-            Err(Refused::outside(value, expected))
+            Err(Refusal::outside(value, expected))
         } else {
             // Without rounding, if it is above 2^53.
             Ok(match self {
@@ -187,10 +187,10 @@ impl Value {
     ///
     /// # Errors
     /// If it is something else.
-    pub fn whole_or_auto(&self, least: u64, most: u64) -> Result<Option<u64>, Refused> {
+    pub fn whole_or_auto(&self, least: u64, most: u64) -> Result<Option<u64>, Refusal> {
         match self {
             Value::Text(text) if text == "auto" => Ok(None),
-            Value::Text(text) if number::parse(text).is_none() => Err(Refused::new(
+            Value::Text(text) if number::parse(text).is_none() => Err(Refusal::new(
                 format!("is \"{text}\""),
                 format!("write \"auto\" or a whole number of at least {least}"),
             )),
@@ -202,12 +202,12 @@ impl Value {
     ///
     /// # Errors
     /// If it is something else.
-    pub fn flag(&self) -> Result<bool, Refused> {
+    pub fn flag(&self) -> Result<bool, Refusal> {
         match self {
             Value::Flag(flag) => Ok(*flag),
             _ => {
                 let remedy = "write true or false, without quotes";
-                Err(Refused::beside(self, "true or false", remedy))
+                Err(Refusal::beside(self, "true or false", remedy))
             }
         }
     }
@@ -216,10 +216,10 @@ impl Value {
     ///
     /// # Errors
     /// If it is something else.
-    pub fn text(&self) -> Result<&str, Refused> {
+    pub fn text(&self) -> Result<&str, Refusal> {
         match self {
             Value::Text(text) => Ok(text),
-            _ => Err(Refused::beside(self, "a string", "put it in quotes")),
+            _ => Err(Refusal::beside(self, "a string", "put it in quotes")),
         }
     }
 
@@ -229,10 +229,10 @@ impl Value {
     /// If it is something else, or an item is refused.
     pub fn list<'a, T>(
         &'a self,
-        read: impl Fn(&'a Value) -> Result<T, Refused>,
-    ) -> Result<Vec<T>, Refused> {
+        read: impl Fn(&'a Value) -> Result<T, Refusal>,
+    ) -> Result<Vec<T>, Refusal> {
         let Value::List(list) = self else {
-            return Err(Refused::beside(self, "a list", "write [1.0, 2.0]"));
+            return Err(Refusal::beside(self, "a list", "write [1.0, 2.0]"));
         };
         (list.iter().enumerate())
             .map(|(k, item)| read(item).map_err(|refused| refused.of(Part::Item(k))))
@@ -246,10 +246,10 @@ impl Value {
     pub fn key<T>(
         &self,
         name: &str,
-        read: impl Fn(&Value) -> Result<T, Refused>,
-    ) -> Result<Option<T>, Refused> {
+        read: impl Fn(&Value) -> Result<T, Refusal>,
+    ) -> Result<Option<T>, Refusal> {
         let Value::Table(table) = self else {
-            return Err(Refused::beside(self, "a table", "write { name = value }"));
+            return Err(Refusal::beside(self, "a table", "write { name = value }"));
         };
         (table.get(name))
             .map(|value| read(value).map_err(|refused| refused.of(Part::Key(name.to_owned()))))

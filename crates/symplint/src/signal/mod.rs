@@ -41,9 +41,9 @@ pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     sums.iter().sum::<f64>() + rest.sum::<f64>()
 }
 
-/// A map may round inside by this part of the range of a coordinate, and the coordinate itself by less. Conventional: half of the digits
-/// of double precision.
-pub(crate) const MAX_ROUNDING_INSIDE: f64 = 1.5e-8;
+/// Rounding inside a map may change a coordinate by this part of its range, more than rounding of the coordinate itself. Conventional:
+/// half of the digits of double precision.
+pub(crate) const MAX_RELATIVE_ROUNDING_INSIDE: f64 = 1.5e-8;
 
 /// A defect this many times its uncertainty is significant.
 ///
@@ -54,7 +54,8 @@ pub(crate) const SIGNIFICANT: f64 = 10.0;
 /// A defect this many times its uncertainty needs no second measurement. Conventional: significant by another factor of ten.
 pub(crate) const CERTAIN: f64 = SIGNIFICANT * SIGNIFICANT;
 
-/// A difference of more than this many times its uncertainty is not explained by it. Conventional, as for [`SIGNIFICANT`].
+/// A difference of more than this many times its uncertainty is not explained by it. Conventional: true errors exceed estimates by a factor
+/// of three at most.
 pub(crate) const UNEXPLAINED: f64 = 3.0;
 
 /// A part of a quantity that counts as zero when quantities are compared. Conventional: three digits.

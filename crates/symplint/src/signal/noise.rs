@@ -69,7 +69,7 @@ pub(crate) const NODES_BESIDE: [f64; 12] = [
 const MAX_EQUAL_NEIGHBOURS: usize = 2;
 
 /// Noise at one place counts no more than this many times that at others: a break may lie near it.
-pub(crate) const MAX_OVER_OTHERS: f64 = 16.0;
+pub(crate) const MAX_NOISE_OVER_OTHERS: f64 = 16.0;
 
 /// The sixth differences of a row: of the states [`NODES_BESIDE`] the middle, and of that.
 pub(crate) fn of_a_row() -> SixthDifferences {

@@ -1,7 +1,7 @@
 //! Richardson's extrapolation of a sequence to distance zero.
 
-/// The table of a sequence whose distances fall by `ratio` from level to level and whose errors are powers
-/// t^`first`, t^(`first` + 2), … of the distance: entry `[level][depth]` is free of the first `depth` of them.
+/// The table of a sequence at distances that are divided by `ratio` from level to level. Its errors are powers
+/// t^`first`, t^(`first` + 2), … of the distance t: entry `[level][depth]` is free of the first `depth` of them.
 pub(crate) fn extrapolate<const DEPTHS: usize, const LEVELS: usize>(
     sequence: impl Iterator<Item = f64>,
     ratio: f64,
@@ -29,7 +29,7 @@ mod tests {
         let levels = [1.0, 0.5, 0.25].map(f);
         let table: [[f64; 3]; 3] = extrapolate(levels.into_iter(), 2.0, 2);
         assert!((table[2][2] - 3.0).abs() < 1e-14);
-        // What is left of t⁴ falls by 16 from one level to the next.
+        // The remainder of t⁴ falls by 16 from one level to the next.
         let errors = [table[1][1] - 3.0, table[2][1] - 3.0];
         assert!((errors[0] / errors[1] - 16.0).abs() < 1e-9);
     }

@@ -12,7 +12,8 @@ use crate::state::{Coordinates, Ensemble, coordinate, in_parallel, period};
 
 /// Rows through which a polynomial is laid, half of them on each side of a cell. The first order is for comparison only.
 const ORDERS: [usize; 5] = [4, 6, 8, 10, 12];
-const HIGHEST_ORDER: usize = ORDERS[ORDERS.len() - 1];
+/// The highest of these orders.
+const MAX_ORDER: usize = ORDERS[ORDERS.len() - 1];
 
 /// Rows of the polynomials that measure arc lengths, and how often they are measured again. Arc length is exact to the order of
 /// the polynomials after three passes, as each gains two orders; wide gaps take more.
@@ -78,15 +79,15 @@ pub(super) fn best(before: &Integrals, after: &Integrals) -> Option<(LoopIntegra
 }
 
 /// Numbers that belong to the rows of a polynomial, zeros after the last. An array, because a loop has millions of them.
-type OfRows = [f64; HIGHEST_ORDER];
+type RowWeights = [f64; MAX_ORDER];
 
 /// A point of a cell at which a polynomial is evaluated.
 struct Node {
     /// Of Gauss's quadrature.
     weight: f64,
     /// What each row contributes to the value there, and to the derivative.
-    values: OfRows,
-    slopes: OfRows,
+    values: RowWeights,
+    slopes: RowWeights,
 }
 
 /// The polynomials of one order on a cell.
@@ -97,9 +98,9 @@ struct Stencil {
 
 impl Stencil {
     /// The values of a coordinate at the rows, less that at row `first`, so that little is lost to rounding.
-    fn values(&self, row: &Row, first: usize) -> OfRows {
+    fn values(&self, row: &Row, first: usize) -> RowWeights {
         let first = row.values[first];
-        let mut values = OfRows::default();
+        let mut values = RowWeights::default();
         for (value, &k) in values.iter_mut().zip(&self.rows) {
             *value = row.values[k] - first;
         }
@@ -107,7 +108,7 @@ impl Stencil {
     }
 }
 
-fn dot(a: &OfRows, b: &OfRows) -> f64 {
+fn dot(a: &RowWeights, b: &RowWeights) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
@@ -131,18 +132,18 @@ impl ArcLength {
         let quadrature = gauss_legendre(ARC_ORDER);
         let mut found = ArcLength::from_cells((n..2 * n).map(distance).collect())?;
         for _ in 0..ARC_PASSES {
-            let speed = |node: &Node, values: &[OfRows]| {
+            let speed = |node: &Node, values: &[RowWeights]| {
                 let slopes = values.iter().map(|row| dot(&node.slopes, row).powi(2));
                 node.weight * slopes.sum::<f64>().sqrt()
             };
             let of_cell = |cell: usize| {
                 let stencil = found.stencil(cell, ARC_ORDER, &quadrature)?;
-                let values: Vec<OfRows> = (rows.iter())
+                let values: Vec<RowWeights> = (rows.iter())
                     .map(|row| stencil.values(row, n + cell))
                     .collect();
                 Some(stencil.nodes.iter().map(|node| speed(node, &values)).sum())
             };
-            let cells = in_parallel(0..n, HIGHEST_ORDER * HIGHEST_ORDER, of_cell);
+            let cells = in_parallel(0..n, MAX_ORDER * MAX_ORDER, of_cell);
             found = ArcLength::from_cells(cells.into_iter().collect::<Option<_>>()?)?;
         }
         Some(found)
@@ -252,7 +253,7 @@ impl ArcLength {
             .collect();
         let roundings: Vec<f64> = (0..2 * dof).map(|c| rounding_of(states, c)).collect();
         let n = states.samples();
-        let quadrature = gauss_legendre(HIGHEST_ORDER);
+        let quadrature = gauss_legendre(MAX_ORDER);
         // Of about the same size, so that each has enough cells for a median.
         let chunk = n.div_ceil(n.div_ceil(CELLS_OF_CHUNK));
         let of_cells = |first: usize| -> Sums {
@@ -293,7 +294,7 @@ impl ArcLength {
         let firsts: Vec<usize> = (0..n).step_by(chunk).collect();
         let chunks = in_parallel(
             firsts,
-            HIGHEST_ORDER * HIGHEST_ORDER * chunk * ORDERS.len(),
+            MAX_ORDER * MAX_ORDER * chunk * ORDERS.len(),
             of_cells,
         );
         let mut integrals = [const { None }; ORDERS.len() - 1];
@@ -395,7 +396,7 @@ const MIN_RATIO_AT_JUMP: f64 = 0.35;
 const MAX_JUMP_OVER_DISTANCE: f64 = 200.0;
 
 /// Noise of the rows separates polynomials everywhere, and a jump by this factor more than in most cells. Conventional.
-const MIN_JUMP_OVER_MEDIAN: f64 = 10.0;
+const MIN_DISTANCE_OVER_MEDIAN: f64 = 10.0;
 
 /// What jumps of one degree of freedom may contribute that rows in any spacing hide, from the distances of polynomials of each order
 /// in each cell, and the momentum there. Their order of convergence shows them.
@@ -410,7 +411,7 @@ fn jumps_between(cells: &[([[f64; 2]; ORDERS.len()], f64)], roundings: [f64; 2])
         let [jump_q, jump_p] = [0, 1].map(|c| {
             let distance = at[last][c];
             let stays = distance > MIN_RATIO_AT_JUMP * at[eight][c]
-                && distance > MIN_JUMP_OVER_MEDIAN * medians[c];
+                && distance > MIN_DISTANCE_OVER_MEDIAN * medians[c];
             match stays && distance > roundings[c] {
                 true => MAX_JUMP_OVER_DISTANCE * distance,
                 false => 0.0,
@@ -427,8 +428,8 @@ fn rounding_of(states: &Ensemble, c: usize) -> f64 {
 }
 
 /// The weights of Lagrange interpolation in barycentric form.
-fn barycentric_weights(nodes: &[f64]) -> OfRows {
-    let mut weights = OfRows::default();
+fn barycentric_weights(nodes: &[f64]) -> RowWeights {
+    let mut weights = RowWeights::default();
     for (j, weight) in weights.iter_mut().take(nodes.len()).enumerate() {
         let others = (0..nodes.len()).filter(|&i| i != j);
         *weight = 1.0 / others.map(|i| nodes[j] - nodes[i]).product::<f64>();
@@ -437,10 +438,10 @@ fn barycentric_weights(nodes: &[f64]) -> OfRows {
 }
 
 /// The values of the Lagrange polynomials at `x`, which differs from all their nodes, and their derivatives.
-fn lagrange(nodes: &[f64], weights: &OfRows, x: f64) -> [OfRows; 2] {
-    let [mut values, mut slopes] = [OfRows::default(); 2];
+fn lagrange(nodes: &[f64], weights: &RowWeights, x: f64) -> [RowWeights; 2] {
+    let [mut values, mut slopes] = [RowWeights::default(); 2];
     let product: f64 = nodes.iter().map(|node| x - node).product();
-    let mut inverses = OfRows::default();
+    let mut inverses = RowWeights::default();
     for (inverse, node) in inverses.iter_mut().zip(nodes) {
         *inverse = 1.0 / (x - node);
     }

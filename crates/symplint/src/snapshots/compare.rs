@@ -6,8 +6,8 @@ use super::increments::Increments;
 use super::pieces::{Curve, Pieces, stored_roundoff};
 use crate::breaks::{Break, Jump, Roughness, find_jumps};
 use crate::error::Error;
-use crate::evidence::{MIN_SAMPLES, Motion, Wrap};
-use crate::map::{Before, Grain};
+use crate::evidence::{MIN_SAMPLES_OF_SHAPE, Motion, Wrap};
+use crate::map::{Grain, SamplesBefore};
 use crate::rules::Defect;
 use crate::rules::{LoopIntegral, OmittedCell, Rule, RuleKind};
 use crate::signal::{CompensatedSum, Extent, UNIT_ROUNDOFF};
@@ -39,7 +39,7 @@ const CELLS_BESIDE_JUMP: usize = 10;
 const MAX_DIFFERENCE_OF_GAINS: f64 = 1e-9;
 
 /// The loop before the step.
-pub(super) struct Initial<'a> {
+pub(super) struct InitialLoop<'a> {
     snapshot: &'a Snapshot,
     coordinates: &'a Coordinates,
     pub integral: LoopIntegral,
@@ -53,7 +53,7 @@ pub(super) struct Initial<'a> {
 
 /// The effect of the jumps of one loop on its integral.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Broken {
+pub(super) struct JumpEffect {
     /// Jumps that stay under refinement.
     pub confirmed: usize,
     /// Cells that jump.
@@ -73,7 +73,7 @@ pub(super) struct LoopComparison {
     pub integral: LoopIntegral,
     pub defect: Defect,
     /// If there are jumps.
-    pub broken: Option<Broken>,
+    pub broken: Option<JumpEffect>,
     /// Confirmed jumps.
     pub breaks: Vec<Break>,
     /// The largest of them, as a part of the range of its coordinate.
@@ -155,7 +155,11 @@ fn rows(snapshot: &Snapshot, coordinates: &Coordinates, before: Option<&Ensemble
     let dof = states.dof();
     // They may be decimals, or single precision, that someone stored as doubles; and the code may have read such ones.
     let value = |c: usize, k: usize| coordinate(states, c)[k];
-    let before = |_| before.map_or(Before::Unknown, |before| Before::Written(before.clone()));
+    let before = |_| {
+        before.map_or(SamplesBefore::Unknown, |before| {
+            SamplesBefore::Written(before.clone())
+        })
+    };
     let grain = Grain::of(states.samples(), coordinates, None, value, before);
     let of_grain = |c: usize| {
         grain
@@ -249,17 +253,17 @@ fn smooth(
     }
     let unresolved = (rows.iter().flat_map(|row| &row.roughness)).any(|rough| rough.unresolved);
     integral.quadrature_error = (integral.quadrature_error)
-        .filter(|_| !unresolved && states.samples() >= MIN_SAMPLES)
+        .filter(|_| !unresolved && states.samples() >= MIN_SAMPLES_OF_SHAPE)
         .map(|error| error + weighted(&Row::hidden));
     Ok(integral)
 }
 
-impl<'a> Initial<'a> {
+impl<'a> InitialLoop<'a> {
     pub fn new(snapshot: &'a Snapshot, coordinates: &'a Coordinates) -> Result<Self, Error> {
         let rows = rows(snapshot, coordinates, None);
         let integral = smooth(snapshot, &rows, coordinates)?;
         let found = breaks(&rows, snapshot.states.samples(), |_| true);
-        let mut initial = Initial {
+        let mut initial = InitialLoop {
             snapshot,
             coordinates,
             integral,
@@ -282,7 +286,7 @@ impl<'a> Initial<'a> {
         let error = self.integral.quadrature_error.unwrap_or(f64::INFINITY);
         let is_exact = self.broken.is_none()
             && error <= MAX_ERROR_OF_EQUAL_SPACING * self.integral.value.abs();
-        if is_exact || states.samples() < MIN_SAMPLES {
+        if is_exact || states.samples() < MIN_SAMPLES_OF_SHAPE {
             return Ok(());
         }
         let Some(arcs) = ArcLength::of(states, self.coordinates) else {
@@ -465,7 +469,7 @@ impl<'a> Initial<'a> {
                 .map(move |cell| OmittedCell { dof, cell })
         };
         let omitted: Vec<OmittedCell> = rows.iter().enumerate().flat_map(cells).collect();
-        let known = !unresolved && samples >= MIN_SAMPLES;
+        let known = !unresolved && samples >= MIN_SAMPLES_OF_SHAPE;
         let integral = LoopIntegral {
             value: value.total(),
             contributions,
@@ -485,7 +489,7 @@ impl<'a> Initial<'a> {
             rule: RuleKind::JumpDetecting,
             initial: self.integral.value,
             defect: Defect::between(&self.integral, &integral)?,
-            broken: Some(Broken {
+            broken: Some(JumpEffect {
                 confirmed: found.len(),
                 cells: integral.omitted.as_ref().map_or(0, Vec::len),
                 chord: chord.total(),

@@ -23,7 +23,7 @@ use crate::evidence::{
 use crate::rules::RuleKind;
 use crate::signal::{Extent, nearest};
 use crate::state::{Coordinates, Ensemble, coordinate, each_in_parallel, period};
-use compare::{Initial, LoopComparison};
+use compare::{InitialLoop, LoopComparison};
 
 /// All samples of a loop at one time, as another code stored them.
 #[derive(Clone, Debug)]
@@ -106,7 +106,7 @@ pub fn measure_snapshots(
         Some((before, after)) => (before, after),
         None => (before, after),
     };
-    let initial = Initial::new(before, coordinates)?;
+    let initial = InitialLoop::new(before, coordinates)?;
     // All of them, so that the error is that of the first snapshot on any number of threads.
     let compared = each_in_parallel(after, |snapshot| initial.compare(snapshot));
     let compared: Vec<LoopComparison> = compared.into_iter().collect::<Result<_, Error>>()?;

@@ -229,14 +229,14 @@ pub(crate) fn first_error(results: Vec<Result<(), Error>>) -> Result<(), Error> 
 }
 
 /// A state of a block that is not finite.
-pub(crate) struct NotFinite {
+pub(crate) struct NonFiniteValue {
     coordinate: &'static str,
     dof: usize,
     sample: usize,
     value: f64,
 }
 
-impl NotFinite {
+impl NonFiniteValue {
     /// `step_size` is that of the step that made the state, if one did.
     pub fn into_error(self, first_sample: usize, step_size: Option<f64>) -> Error {
         let remedy = match step_size {
@@ -263,11 +263,11 @@ impl NotFinite {
     }
 }
 
-pub(crate) fn first_not_finite(q: Rows<'_>, p: Rows<'_>) -> Option<NotFinite> {
+pub(crate) fn first_not_finite(q: Rows<'_>, p: Rows<'_>) -> Option<NonFiniteValue> {
     if q.all_finite() && p.all_finite() {
         return None;
     }
-    let mut first: Option<NotFinite> = None;
+    let mut first: Option<NonFiniteValue> = None;
     for (coordinate, rows) in [("q", q), ("p", p)] {
         for dof in 0..rows.count() {
             let row = rows.row(dof);
@@ -275,7 +275,7 @@ pub(crate) fn first_not_finite(q: Rows<'_>, p: Rows<'_>) -> Option<NotFinite> {
                 continue;
             };
             if first.as_ref().is_none_or(|found| sample < found.sample) {
-                first = Some(NotFinite {
+                first = Some(NonFiniteValue {
                     coordinate,
                     dof,
                     sample,

@@ -5,8 +5,7 @@ use std::cell::RefCell;
 
 use crate::state::RowsMut;
 
-/// Values of the largest buffer that a thread keeps, 64 MiB: larger ones, for blocks with so large a number of degrees of freedom
-/// that few states fit into memory, would stay with every thread that ever had one.
+/// Values of the largest buffer that a thread keeps, 64 MiB: a larger one would stay with every thread that ever had one.
 const MAX_KEPT_VALUES: usize = 1 << 23;
 
 thread_local! {

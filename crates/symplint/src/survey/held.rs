@@ -16,7 +16,7 @@ const CONFIRMING_DISTANCE: f64 = 1e-3;
 
 /// The longest runs of neighbouring samples that have the same value of a coordinate after the step, to the last bit, though both
 /// coordinates of the degree of freedom differ before it.
-pub(super) struct Held {
+pub(super) struct ConstantRuns {
     runs: Vec<[Run; 2]>,
 }
 
@@ -73,10 +73,10 @@ impl Run {
     }
 }
 
-impl Held {
+impl ConstantRuns {
     /// No samples yet.
     pub fn new(dof: usize) -> Self {
-        Held {
+        ConstantRuns {
             runs: vec![[Run::default(); 2]; dof],
         }
     }

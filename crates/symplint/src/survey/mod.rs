@@ -9,11 +9,11 @@ pub(crate) use precision::of_grain;
 pub(crate) use windings::wound;
 
 use crate::error::Error;
-use crate::evidence::{HeldCoordinate, MIN_SAMPLES, Motion, OutputPrecision};
+use crate::evidence::{HeldCoordinate, MIN_SAMPLES_OF_SHAPE, Motion, OutputPrecision};
 use crate::loops::FEW_SAMPLES;
 use crate::rules::Subject;
 use crate::state::{Coordinates, Ensemble};
-use held::Held;
+use held::ConstantRuns;
 pub(crate) use held::is_set;
 use motion::Motions;
 use precision::Precision;
@@ -29,7 +29,7 @@ pub(crate) fn of_samples(subject: Subject<'_>, after: &Ensemble) -> SampleSurvey
     let mut before = Ensemble::zeros(after.dof(), samples);
     subject.phase_loop.sample(&s, &mut before.block());
     let mut look = SurveySums::new(after.dof());
-    look.held = Some(Held::new(after.dof()));
+    look.held = Some(ConstantRuns::new(after.dof()));
     look.add(subject, &before, &after_step);
     look.seen(subject)
 }
@@ -41,7 +41,7 @@ pub(crate) fn of_samples(subject: Subject<'_>, after: &Ensemble) -> SampleSurvey
 /// Those of the map.
 pub(crate) fn of_few_samples(subject: Subject<'_>, h: f64) -> Result<SampleSurvey, Error> {
     let mut look = SurveySums::new(subject.dof());
-    Ensemble::in_parts(subject.phase_loop, MIN_SAMPLES, |before| {
+    Ensemble::in_parts(subject.phase_loop, MIN_SAMPLES_OF_SHAPE, |before| {
         let mut after = before.clone();
         subject.evaluator.advance(&mut after, h)?;
         look.add(subject, &before, &after);
@@ -77,7 +77,7 @@ struct SurveySums {
     motions: Motions,
     precision: Precision,
     /// Not of few samples: in many degrees of freedom it takes as much memory as some dozen states.
-    held: Option<Held>,
+    held: Option<ConstantRuns>,
 }
 
 impl SurveySums {
@@ -102,7 +102,7 @@ impl SurveySums {
             motion: self.motions.value(subject.coordinates()),
             output_precision: self.precision.value(),
             one_state: self.precision.is_one_state(),
-            held: self.held.as_ref().and_then(Held::value),
+            held: self.held.as_ref().and_then(ConstantRuns::value),
         }
     }
 }

@@ -1,7 +1,7 @@
 //! How one step moves the samples of a loop against each other.
 
-use crate::evidence::{MAX_ROUNDING_CHANGE, MIN_SAMPLES, Motion};
-use crate::signal::{Extent, MAX_ROUNDING_INSIDE, Turns, UNIT_ROUNDOFF};
+use crate::evidence::{MAX_ROUNDING_CHANGE, MIN_SAMPLES_OF_SHAPE, Motion};
+use crate::signal::{Extent, MAX_RELATIVE_ROUNDING_INSIDE, Turns, UNIT_ROUNDOFF};
 use crate::state::{Coordinates, Ensemble};
 
 /// Changes of a coordinate that differ by no more than this many units in the last place of its values are the same.
@@ -175,8 +175,8 @@ impl Plane {
     /// Whether the changes of a coordinate are small, and scatter from sample to sample.
     fn is_rounding(&self, c: usize, count: f64) -> bool {
         let [change, size] = [&self.of_changes, &self.of_loop].map(|of| of.extents[c].length());
-        count >= MIN_SAMPLES as f64
-            && change <= MAX_ROUNDING_INSIDE * size
+        count >= MIN_SAMPLES_OF_SHAPE as f64
+            && change <= MAX_RELATIVE_ROUNDING_INSIDE * size
             && self.differences[c] >= MIN_SCATTER * self.of_changes.squares(c)
     }
 
@@ -187,7 +187,7 @@ impl Plane {
         (0..2).any(|c| {
             let [changes, other] = [c, 1 - c].map(|c| &self.of_changes.extents[c]);
             let (size, largest) = (self.of_loop.extents[c].length(), self.largest(c));
-            let deforms = size > 0.0 && changes.length() >= MAX_ROUNDING_INSIDE * size;
+            let deforms = size > 0.0 && changes.length() >= MAX_RELATIVE_ROUNDING_INSIDE * size;
             let shift = changes.magnitude();
             let shifted = (0..2).all(|c| self.keeps_shape(c))
                 && shift * size >= MAX_ROUNDING_CHANGE * largest.powi(2);

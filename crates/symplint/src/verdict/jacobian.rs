@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::VerdictKind;
-use crate::evidence::{MAX_BOUND, MIN_DEFORMATION};
+use crate::evidence::{MAX_BOUND_ON_DEFECT, MIN_DEFORMATION};
 use crate::jacobian::{JacobianEvidence, JacobianMethod, TangentDefect};
 use crate::signal::{SIGNIFICANT, UNEXPLAINED};
 
@@ -145,7 +145,7 @@ pub fn judge_jacobian(evidence: &JacobianEvidence) -> JacobianVerdict {
         return undecided(Inconclusive::Unexplained { worst });
     }
     // Not `bound > …`: a bound that is NaN is not valid.
-    if !matches!(bound, 0.0..=MAX_BOUND) {
+    if !matches!(bound, 0.0..=MAX_BOUND_ON_DEFECT) {
         return undecided(Inconclusive::WeakBound {
             bound,
             noise: evidence.noise,

@@ -53,7 +53,7 @@ impl Fit {
 }
 
 /// Resolution of exponents.
-const RESOLUTION: f64 = 0.01;
+const RESOLUTION_OF_EXPONENTS: f64 = 0.01;
 
 /// Step sizes whose ratios differ by less than this part are a geometric sequence. Conventional: step sizes are often
 /// rounded to a few digits.
@@ -208,7 +208,7 @@ fn highest_exponent(data: &[Datum]) -> Option<(f64, f64)> {
         // Any exponent fits.
         return None;
     }
-    let whole = Some((highest + RESOLUTION / 2.0).floor()).filter(fits)?;
+    let whole = Some((highest + RESOLUTION_OF_EXPONENTS / 2.0).floor()).filter(fits)?;
     Some((highest, whole))
 }
 
@@ -285,7 +285,8 @@ fn departs(data: &[Datum], order: f64) -> bool {
 }
 
 fn exponents(from: f64, to: f64) -> impl DoubleEndedIterator<Item = f64> {
-    (0..=((to - from) / RESOLUTION).round() as usize).map(move |n| from + n as f64 * RESOLUTION)
+    (0..=((to - from) / RESOLUTION_OF_EXPONENTS).round() as usize)
+        .map(move |n| from + n as f64 * RESOLUTION_OF_EXPONENTS)
 }
 
 /// How badly E/h^k is a sum of these powers of h (fewer with few points): the largest residual over

@@ -9,7 +9,8 @@ use super::VerdictKind;
 use super::long_time::{Growth, growth_of_energy};
 use super::thresholds::MAX_DISTANCE_TO_WHOLE;
 use crate::evidence::{
-    EnergyAtStep, EnergyInTime, Evidence, LoopEvidence, MAX_BOUND, StepEvidence, StructureEvidence,
+    EnergyAtStep, EnergyInTime, Evidence, LoopEvidence, MAX_BOUND_ON_DEFECT, StepEvidence,
+    StructureEvidence,
 };
 use crate::jacobian::TangentDefect;
 use crate::signal::{SIGNIFICANT, UNEXPLAINED};
@@ -65,7 +66,7 @@ pub struct Property {
 
 /// A smaller distance of a state from its start, in half ranges of the loop, may be the residual of a stage that is solved to round-off.
 /// Calibrated: as the least defect of a tangent map, which has the same cause.
-const MIN_RETURN: f64 = 1e-12;
+const MIN_RETURN_DEFECT: f64 = 1e-12;
 
 /// As many loops that change by one factor show that all do. Conventional: loops are random, and a factor of each has ten digits or more.
 const MIN_LOOPS: usize = 5;
@@ -78,7 +79,7 @@ fn holds(defect: f64, uncertainty: f64, least_defect: f64) -> Option<bool> {
     if defect > least_defect.max(SIGNIFICANT * uncertainty) {
         Some(false)
     } else if defect <= least_defect.max(UNEXPLAINED * uncertainty)
-        && defect + uncertainty <= MAX_BOUND
+        && defect + uncertainty <= MAX_BOUND_ON_DEFECT
     {
         Some(true)
     } else {
@@ -175,7 +176,7 @@ pub(super) fn properties(evidence: &Evidence, kind: VerdictKind) -> Vec<Property
             Some(found) => Property {
                 place: Some((found.coordinate, found.dof)),
                 given_reversal: structure.given_reversal,
-                ..Property::measured(name, found.defect, found.uncertainty, MIN_RETURN)
+                ..Property::measured(name, found.defect, found.uncertainty, MIN_RETURN_DEFECT)
             },
             None => Property::implied(name, None),
         });
@@ -198,7 +199,7 @@ pub(super) fn properties(evidence: &Evidence, kind: VerdictKind) -> Vec<Property
             PropertyName::Energy,
             found.change,
             found.uncertainty,
-            MIN_RETURN,
+            MIN_RETURN_DEFECT,
         )
     }));
     properties

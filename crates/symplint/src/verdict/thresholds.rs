@@ -6,7 +6,7 @@
 pub(super) const MAX_STEP_FACTOR: f64 = 1e6;
 
 /// A defect below this without a law in h has to be confirmed, at a second step size or by
-/// [`CERTAIN`](crate::signal::CERTAIN): rounding inside a map can be systematic to some units in the last place.
+/// exceeding [`CERTAIN`](crate::signal::CERTAIN) uncertainties: rounding inside a map can be systematic to some units in the last place.
 pub(super) const MAX_UNCONFIRMED_DEFECT: f64 = 1e-10;
 
 /// Radii whose ratio differs by this factor from the ratio of the motion are not in its units. Conventional: loops that
@@ -87,4 +87,4 @@ pub(super) const MIN_DRIFT: f64 = 0.8;
 
 /// Patches of the disc within a loop that are smaller than this part of it are points, and what they alone change no sign
 /// of a defect. Conventional: ten halvings. Defects of methods are spread over the disc.
-pub(super) const MAX_POINT_OF_DISC: f64 = 1e-3;
+pub(super) const MAX_AREA_OF_POINT: f64 = 1e-3;

@@ -2,7 +2,9 @@
 
 use super::constraint::singular_cost;
 use super::{GivenLoop, Runner, if_possible};
-use crate::diagnosis::limits::{DISPLACEMENT_AT_FEATURE, MAX_FEATURES, ROUGHNESS_PART_OF_SAMPLES};
+use crate::diagnosis::limits::{
+    DISPLACEMENT_AT_FEATURE, DIVISOR_OF_ROUGHNESS_SAMPLES, MAX_FEATURES,
+};
 use crate::diagnosis::plan::fits;
 use crate::diagnosis::resolve::features::roughest_sample;
 use crate::diagnosis::resolve::refined_samples::RefinedSamples;
@@ -89,7 +91,7 @@ impl Runner<'_> {
         let Some(found) = found.filter(|found| found.kind != LoopKind::Image) else {
             return Ok(None);
         };
-        let samples = (found.samples / ROUGHNESS_PART_OF_SAMPLES).max(FEW_SAMPLES);
+        let samples = (found.samples / DIVISOR_OF_ROUGHNESS_SAMPLES).max(FEW_SAMPLES);
         let (dof, has_tangent) = (subject.dof(), subject.evaluator.has_tangent());
         let left = self.left_for_features(dof);
         let Some(one) = JacobianTest::within(left, dof, has_tangent) else {

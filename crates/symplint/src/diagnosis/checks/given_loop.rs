@@ -2,7 +2,7 @@
 
 use super::expected::Cost;
 use super::{FailedStep, GivenLoop, Runner, if_possible};
-use crate::diagnosis::limits::RESERVED_PART;
+use crate::diagnosis::limits::DIVISOR_OF_RESERVE;
 use crate::diagnosis::resolve::Resolution;
 use crate::diagnosis::resolve::initial_samples::InitialSamples;
 use crate::diagnosis::resolve::probe::{Probe, StepMeasurement};
@@ -29,7 +29,7 @@ impl Runner<'_> {
             h: self.largest,
             plan: &self.plan,
             most_samples: self.plan.most_samples(diagnostic, budget, left),
-            allowance: left / RESERVED_PART * (RESERVED_PART - 1),
+            allowance: left / DIVISOR_OF_RESERVE * (DIVISOR_OF_RESERVE - 1),
         };
         let probe = diagnostic.resolve(subject, &with, &mut look)?;
         let samples = &mut InitialSamples::new(subject);
@@ -125,7 +125,7 @@ impl Runner<'_> {
                 h,
                 plan: &self.plan,
                 most_samples: probe.samples,
-                allowance: known.evaluations + self.left() / RESERVED_PART,
+                allowance: known.evaluations + self.left() / DIVISOR_OF_RESERVE,
             };
             let judged = (probe, &judged.advanced);
             let refined = || samples.last(h);

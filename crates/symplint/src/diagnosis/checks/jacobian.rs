@@ -2,7 +2,7 @@
 
 use super::{GivenLoop, Runner, failed};
 use crate::diagnosis::limits::{
-    BLOCKS_PART, DECAY_PART, JACOBIAN_PART_OF_LARGE_BUDGET, MAX_DOF_OF_BLOCKS,
+    DIVISOR_OF_BLOCKS, DIVISOR_OF_DECAY, DIVISOR_OF_JACOBIAN_IN_LARGE_BUDGET, MAX_DOF_OF_BLOCKS,
     MIN_DEFECT_OVER_METHOD,
 };
 use crate::error::Error;
@@ -83,8 +83,8 @@ impl Runner<'_> {
             ..*test
         };
         one.budget = one.evaluations(dof, has_tangent) + JacobianTest::STATES_ALONG_TIME;
-        let planned = self.evidence.evaluations.budget / JACOBIAN_PART_OF_LARGE_BUDGET;
-        let most = (self.count.made() / BLOCKS_PART).max(planned);
+        let planned = self.evidence.evaluations.budget / DIVISOR_OF_JACOBIAN_IN_LARGE_BUDGET;
+        let most = (self.count.made() / DIVISOR_OF_BLOCKS).max(planned);
         let is_affordable = one.budget <= most.min(self.left_for_features(dof));
         if found.full || found.projected || dof > MAX_DOF_OF_BLOCKS || !is_affordable {
             return None;
@@ -158,7 +158,7 @@ impl Runner<'_> {
             true => self.count.left().saturating_sub(self.plan.domain),
             false => self.left_for_features(evaluator.dof()),
         };
-        if cost > left.min(self.count.made() / DECAY_PART) {
+        if cost > left.min(self.count.made() / DIVISOR_OF_DECAY) {
             return None;
         }
         // A witness that fails is not missed: the loops are measured.

@@ -2,12 +2,14 @@
 
 use super::{GivenLoop, Runner, failed};
 use crate::diagnosis::limits::{
-    MAX_ERROR_OVER_DEFECT, MIN_SAMPLES_OF_FOLDED_LOOP, SUFFICIENT_ERROR,
+    MAX_ERROR_OVER_DEFECT, MAX_SUFFICIENT_ERROR, MIN_SAMPLES_OF_FOLDED_LOOP,
 };
 use crate::diagnosis::plan::{fits, power_below};
 use crate::diagnosis::resolve::probe::Probe;
 use crate::error::Error;
-use crate::evidence::{Check, EnergyInTime, LongTime, LoopAtStep, LoopEvidence, MIN_SAMPLES, Why};
+use crate::evidence::{
+    Check, EnergyInTime, LongTime, LoopAtStep, LoopEvidence, MIN_SAMPLES_OF_SHAPE, Why,
+};
 use crate::map::Energy;
 use crate::rules::{Rule, Subject};
 use crate::state::Ensemble;
@@ -65,7 +67,7 @@ fn follow(
     }
     // Fewer samples resolve fewer of the steps, which the trace tells.
     let affordable = power_below(left / steps);
-    if affordable < MIN_SAMPLES {
+    if affordable < MIN_SAMPLES_OF_SHAPE {
         return Ok(Err(Why::BUDGET));
     }
     samples = samples.min(affordable);
@@ -193,8 +195,9 @@ fn summary(h: Option<f64>, samples: usize, points: &[TracePoint]) -> LongTime {
     let mut largest = 0.0f64;
     let resolved = points.iter().take_while(|point| {
         largest = largest.max(point.defect);
-        (point.quadrature_error)
-            .is_some_and(|error| error <= (MAX_ERROR_OVER_DEFECT * largest).max(SUFFICIENT_ERROR))
+        (point.quadrature_error).is_some_and(|error| {
+            error <= (MAX_ERROR_OVER_DEFECT * largest).max(MAX_SUFFICIENT_ERROR)
+        })
     });
     let signed: Vec<f64> = resolved.map(|point| point.signed_defect).collect();
     let defects: Vec<f64> = signed.iter().map(|defect| defect.abs()).collect();

@@ -2,7 +2,7 @@
 
 use super::{GivenLoop, Runner, failed, if_possible};
 use crate::diagnosis::limits::{
-    STATES_OF_RETURN, STATES_OF_ROUNDING, STEP_SIZES_OF_ENERGY, STRUCTURE_PART,
+    DIVISOR_OF_STRUCTURE, STATES_OF_RETURN, STATES_OF_ROUNDING, STEP_SIZES_OF_ENERGY,
 };
 use crate::diagnosis::plan::fits;
 use crate::error::Error;
@@ -53,10 +53,10 @@ impl Runner<'_> {
         let is_asked_for =
             structure.asked_for_symmetry || structure.given_reversal || energy.is_some();
         let states = STATES_OF_RETURN[usize::from(!few)] + STATES_OF_ROUNDING[usize::from(!few)];
-        if !is_asked_for && 2 * states > self.count.budget() / STRUCTURE_PART {
+        if !is_asked_for && 2 * states > self.count.budget() / DIVISOR_OF_STRUCTURE {
             return Ok(());
         }
-        let returns = Returns::new(subject, few);
+        let returns = ReturnTest::new(subject, few);
         let h = self.largest;
         let after = advanced(evaluator, &returns.before, h)?;
         structure.states = returns.s.len();
@@ -167,12 +167,12 @@ fn advanced(evaluator: &Evaluator<'_>, states: &Ensemble, h: f64) -> Result<Ense
 }
 
 /// States on the loop and inside it. The first few stand once more at the end, each moved by a rounding.
-struct Returns {
+struct ReturnTest {
     s: Vec<f64>,
     before: Ensemble,
 }
 
-impl Returns {
+impl ReturnTest {
     fn new(subject: Subject<'_>, few: bool) -> Self {
         let (evaluator, dof) = (subject.evaluator, subject.dof());
         let s = parameters(STATES_OF_RETURN[usize::from(!few)]);
@@ -199,7 +199,7 @@ impl Returns {
                 }
             }
         }
-        Returns { s, before }
+        ReturnTest { s, before }
     }
 
     /// The change of the energy, known at the largest step size, at smaller ones: at the three smallest where it is significant.

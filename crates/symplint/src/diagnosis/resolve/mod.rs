@@ -7,7 +7,7 @@ pub(in crate::diagnosis) mod probe;
 pub(in crate::diagnosis) mod refined_samples;
 
 use crate::diagnosis::limits::{
-    MAX_BYTES, MAX_DIFFERENCE_OF_EXPONENTS, MAX_EXPONENT_OF_KINKS, MAX_MISS_OF_TOLERANCE,
+    MAX_BYTES, MAX_DIFFERENCE_OF_EXPONENTS, MAX_ERROR_OVER_WANTED, MAX_EXPONENT_OF_KINKS,
     MAX_PIECEWISE_COORDINATES, MAX_STREAMED_COORDINATES, MIN_EXPONENT_OF_KINKS,
     MIN_PIECEWISE_EVALUATIONS,
 };
@@ -15,7 +15,7 @@ use crate::diagnosis::plan::fits;
 use crate::diagnosis::plan::{Plan, power_below};
 use crate::diagnosis::{Diagnostic, SampleCount};
 use crate::error::Error;
-use crate::loops::{FEW_SAMPLES, MAX_SAMPLES};
+use crate::loops::{FEW_SAMPLES, MAX_SAMPLES_OF_DOUBLING};
 use crate::rules::{LoopAfterStep, Piecewise, Rule, Subject};
 use crate::signal::SIGNIFICANT;
 use crate::state::Ensemble;
@@ -188,7 +188,7 @@ impl Diagnostic {
                     _ => Ok(probe),
                 };
             }
-            if auto && pieces.is_none() && expected > MAX_MISS_OF_TOLERANCE * standing.wanted {
+            if auto && pieces.is_none() && expected > MAX_ERROR_OVER_WANTED * standing.wanted {
                 pieces = self.tried(subject, refined, with, start)?;
                 match pieces {
                     Some((pieces, of_pieces)) if of_pieces < expected => return Ok(pieces),
@@ -381,10 +381,11 @@ fn settled(before: Option<f64>, now: Option<f64>) -> Option<f64> {
 
 /// The most samples in memory, a power of two, for this number of degrees of freedom.
 fn range_of_samples(dof: usize) -> usize {
-    power_below(MAX_BYTES / (16 * dof.max(1))).clamp(FEW_SAMPLES, MAX_SAMPLES)
+    power_below(MAX_BYTES / (16 * dof.max(1))).clamp(FEW_SAMPLES, MAX_SAMPLES_OF_DOUBLING)
 }
 
 /// The most samples of the streaming rule, a power of two, for this number of degrees of freedom.
 fn most_streamed(dof: usize, fewest: usize) -> usize {
-    power_below(MAX_STREAMED_COORDINATES / dof.max(1)).clamp(fewest.min(MAX_SAMPLES), MAX_SAMPLES)
+    power_below(MAX_STREAMED_COORDINATES / dof.max(1))
+        .clamp(fewest.min(MAX_SAMPLES_OF_DOUBLING), MAX_SAMPLES_OF_DOUBLING)
 }

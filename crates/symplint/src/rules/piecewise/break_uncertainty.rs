@@ -14,7 +14,7 @@ use crate::error::Error;
 use crate::signal::nearest;
 
 /// A break that may have been somewhere else.
-struct Uncertain {
+struct UncertainBreak {
     /// Which of the breaks.
     index: usize,
     /// How far it may be moved along s.
@@ -58,7 +58,7 @@ pub(super) fn break_uncertainty(refinement: &mut Refinement<'_>) -> Result<f64, 
 }
 
 /// The breaks of the loop that may be elsewhere by more than a few doubles.
-fn uncertain(refinement: &Refinement<'_>) -> Vec<Uncertain> {
+fn uncertain(refinement: &Refinement<'_>) -> Vec<UncertainBreak> {
     let breaks = &refinement.breaks;
     let mut order: Vec<usize> = (0..breaks.len())
         .filter(|&k| breaks[k].curve == 0)
@@ -101,7 +101,7 @@ fn uncertain(refinement: &Refinement<'_>) -> Vec<Uncertain> {
             let free = DISTANCE_OF_SLOPES
                 .min(0.5 * gap(k, after(1)))
                 .min(0.5 * gap(before(1), k));
-            (moved > MAX_DISTANCE_OF_NEIGHBOURS && free > 0.0).then_some(Uncertain {
+            (moved > MAX_DISTANCE_OF_NEIGHBOURS && free > 0.0).then_some(UncertainBreak {
                 index: order[k],
                 distance: moved,
                 free,

@@ -9,13 +9,14 @@ use super::fit::{Fit, ends_of_tail, fit, fit_all, turning_point};
 use super::jump::Jump;
 use super::limits::{
     FIRST_SMALL_COEFFICIENT, FULL_LEVEL, KINK_SAFETY, MARGIN_OF_NOISE, MARGIN_OF_RANGE,
-    MAX_DISTANCE_OF_SAME_TURN, MAX_SIZE_AT_KINK, MAX_TERMS_OF_BREAK, MAX_TURNING_POINTS, MIN_DECAY,
-    MIN_EXPLAINED_PART, MIN_JUMP_OVER_ROUNDING, MIN_PART_OF_BEST, ROUNDING_OF_OPERATIONS,
+    MAX_DISTANCE_OF_SAME_TURNING_POINT, MAX_SIZE_AT_KINK, MAX_TAIL_RATIO, MAX_TERMS_OF_BREAK,
+    MAX_TURNING_POINTS, MIN_EXPLAINED_PART, MIN_JUMP_OVER_ROUNDING, MIN_PART_OF_BEST,
+    ROUNDING_OF_OPERATIONS,
 };
 use super::lobatto::{
     DEGREE, LOBATTO, POINTS, Values, evaluate, explained, largest, polynomial, tail_squared,
 };
-use super::piece::{Piece, Smooth};
+use super::piece::{Piece, SmoothPiece};
 use super::samples::{missed, missed_sample};
 use super::scales::Scales;
 use super::stage_states::{StageStates, Tile, tiles};
@@ -30,12 +31,12 @@ pub(super) enum Finding {
     /// It jumps in this bracket.
     Jump(Box<Jump>),
     /// It has a kink between two parameters, or is too long: cut it there, or in the middle.
-    Cut { at: Vec<f64>, why: Why },
+    Cut { at: Vec<f64>, why: CutReason },
 }
 
 /// Why a piece is cut.
 #[derive(Clone, Copy, PartialEq)]
-pub(super) enum Why {
+pub(super) enum CutReason {
     /// A kink, or a sample that it missed.
     Explained,
     /// It is too long for a smooth function.
@@ -186,7 +187,7 @@ impl<'a> View<'a> {
             true => self.seek_break(),
             false => Finding::Cut {
                 at,
-                why: Why::Explained,
+                why: CutReason::Explained,
             },
         })
     }
@@ -210,10 +211,10 @@ impl<'a> View<'a> {
     }
 
     /// Its part of the integral.
-    pub fn integrate(&self, resolved: bool) -> Smooth {
+    pub fn integrate(&self, resolved: bool) -> SmoothPiece {
         let dof = self.dof();
         let short = self.piece.is_short();
-        let mut smooth = Smooth {
+        let mut smooth = SmoothPiece {
             curve: self.piece.curve,
             a: self.piece.a,
             b: self.piece.b,
@@ -297,7 +298,7 @@ impl<'a> View<'a> {
             }
         }
         points.sort_by(f64::total_cmp);
-        points.dedup_by(|a, b| (*a - *b).abs() < MAX_DISTANCE_OF_SAME_TURN);
+        points.dedup_by(|a, b| (*a - *b).abs() < MAX_DISTANCE_OF_SAME_TURNING_POINT);
         let every = points.len().div_ceil(MAX_TURNING_POINTS).max(1);
         let fits = || self.fits.iter();
         let expected = points.into_iter().step_by(every).map(|x| {
@@ -314,7 +315,7 @@ impl<'a> View<'a> {
 
     /// The gap between two nodes in which one break explains the coefficients best.
     fn seek_break(&self) -> Finding {
-        let in_the_middle = |why: Why| Finding::Cut {
+        let in_the_middle = |why: CutReason| Finding::Cut {
             at: Vec::new(),
             why,
         };
@@ -327,14 +328,14 @@ impl<'a> View<'a> {
         let all: f64 = all.sum();
         let most = explained.iter().copied().fold(0.0, f64::max);
         if self.decays() {
-            return in_the_middle(Why::Steep);
+            return in_the_middle(CutReason::Steep);
         }
         let best = (0..DEGREE)
             .filter(|&i| explained[i] >= MIN_PART_OF_BEST * most)
             .min_by_key(|&i| LOBATTO.gaps[i].terms());
         // Sums that overflow explain nothing, either.
         let Some(best) = best.filter(|_| most >= MIN_EXPLAINED_PART * all) else {
-            return in_the_middle(Why::Unexplained);
+            return in_the_middle(CutReason::Unexplained);
         };
         let steps: Vec<[f64; MAX_TERMS_OF_BREAK]> = (self.fits.iter())
             .map(|fit| LOBATTO.gaps[best].jump(&fit.coefficients))
@@ -342,12 +343,12 @@ impl<'a> View<'a> {
         if let Some(ends) = self.kink(best, &steps, (all - most).max(0.0)) {
             return Finding::Cut {
                 at: ends.map(|x| self.piece.s(x)).into(),
-                why: Why::Explained,
+                why: CutReason::Explained,
             };
         }
         match self.jump(best, &steps) {
             Some(jump) => Finding::Jump(Box::new(jump)),
-            None => in_the_middle(Why::Unexplained),
+            None => in_the_middle(CutReason::Unexplained),
         }
     }
 
@@ -400,7 +401,7 @@ impl<'a> View<'a> {
             early += weight * first;
             late += weight * last;
         }
-        late < MIN_DECAY * early
+        late < MAX_TAIL_RATIO * early
     }
 
     /// Between which points of a gap the steps of all coordinates vanish, if they do: as closely as what is

@@ -4,7 +4,7 @@ use multiversion::multiversion;
 
 use super::limits::{
     CHECKS, DEGREES, ERROR_OVER_CHECK, FIRST_SMALL_COEFFICIENT, FULL_LEVEL, MAX_JUMP_OVER_DISTANCE,
-    MIN_DECAY,
+    MAX_TAIL_RATIO,
 };
 use super::lobatto::{
     DEGREE, LOBATTO, NODES, POINTS, Values, derivative, evaluate, evaluate_each, tail_squared,
@@ -102,7 +102,7 @@ pub(super) fn ends_of_tail(coefficients: &Values) -> [f64; 2] {
 #[inline(always)]
 fn decays(coefficients: &Values) -> bool {
     let [early, late] = ends_of_tail(coefficients);
-    late < MIN_DECAY * early
+    late < MAX_TAIL_RATIO * early
 }
 
 /// The turning point of the interpolant, if it has one.

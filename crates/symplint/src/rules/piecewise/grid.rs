@@ -7,7 +7,7 @@
 //! digits instead of 11.9, and the loop of momentum-first Lagrange shapes of degree 3 is not closed (truth table).
 
 use super::examine::View;
-use super::limits::{MAX_CROSSINGS, REACH_AROUND_KNOWN_BREAK};
+use super::limits::{MAX_CROSSINGS, REACH_AROUND_CUT};
 use super::lobatto::{LOBATTO, evaluate};
 
 impl View<'_> {
@@ -16,7 +16,7 @@ impl View<'_> {
     pub fn around_crossings(&self) -> Vec<f64> {
         let spacing = self.coordinates.grid_spacing();
         let mut found = Vec::new();
-        if spacing <= 0.0 || self.piece.length() <= 4.0 * REACH_AROUND_KNOWN_BREAK {
+        if spacing <= 0.0 || self.piece.length() <= 4.0 * REACH_AROUND_CUT {
             return found;
         }
         let (dof, stages) = (self.coordinates.dof(), self.piece.image(0).stages());
@@ -44,13 +44,13 @@ impl View<'_> {
             }
         }
         found.sort_by(f64::total_cmp);
-        found.dedup_by(|next, last| *next - *last < REACH_AROUND_KNOWN_BREAK);
+        found.dedup_by(|next, last| *next - *last < REACH_AROUND_CUT);
         if found.len() > MAX_CROSSINGS {
             return Vec::new();
         }
         found
             .iter()
-            .flat_map(|s| [s - REACH_AROUND_KNOWN_BREAK, s + REACH_AROUND_KNOWN_BREAK])
+            .flat_map(|s| [s - REACH_AROUND_CUT, s + REACH_AROUND_CUT])
             .collect()
     }
 

@@ -6,8 +6,8 @@ use super::lobatto::{evaluate, polynomial};
 use super::piece::Piece;
 use super::scales::Scales;
 use crate::breaks::{
-    Bracket, CONFIRMING_STATES, DISTANCES_FROM_ZONE, End, Progress, STATES_AROUND_ZONE,
-    STATES_BETWEEN_ZONE_STATES, STATES_OF_LOOKS, flickers, interleaved, is_between_levels,
+    Bracket, CONFIRMING_STATES, DISTANCES_FROM_ZONE, End, INTERMEDIATE_ZONE_STATES, Progress,
+    STATES_AROUND_ZONE, STATES_OF_LOOKS, flickers, interleaved, is_between_levels,
     keeps_its_levels, lands_on_a_level, lasting, scatter, stands_out,
 };
 use crate::signal::nearest;
@@ -181,7 +181,7 @@ impl Jump {
         let is_wanted = self.is_wanted();
         match self.zone {
             None => self.beside.iter().map(beside).sum::<usize>() + 2 * usize::from(is_wanted),
-            Some(_) if is_wanted => 2 * STATES_BETWEEN_ZONE_STATES,
+            Some(_) if is_wanted => 2 * INTERMEDIATE_ZONE_STATES,
             Some(_) => 2 * (STATES_AROUND_ZONE - 1),
         }
     }

@@ -28,8 +28,8 @@ pub(super) const SAMPLES_PER_ESTIMATE: usize = 4;
 /// The error of the integral is this many times the largest of those estimates.
 pub(super) const ERROR_OVER_ESTIMATE: f64 = 2.0;
 
-/// A jump exceeds the interpolation error of its neighbours by this factor.
-pub(super) const MIN_JUMP_OVER_MISS: f64 = 2.0;
+/// A jump is at most this many times the largest interpolation error next to it.
+pub(super) const MAX_JUMP_OVER_MISS: f64 = 2.0;
 
 /// Coefficients from here on are small on a smooth piece; what a break leaves there gives it away.
 pub(super) const FIRST_SMALL_COEFFICIENT: usize = 6;
@@ -48,13 +48,13 @@ pub(super) const MAX_JUMP_OVER_DISTANCE: f64 = 2.5;
 /// Part of the highest coefficients, squared, that one break has to explain. Calibrated.
 pub(super) const MIN_EXPLAINED_PART: f64 = 0.95;
 
-/// Explanations that are this good, relative to the best, are as good: three terms next to an end can say what one
-/// at the end itself says.
+/// An explanation that explains this part of what the best one explains is as good: three terms next to an end can describe what
+/// one term at the end itself describes.
 pub(super) const MIN_PART_OF_BEST: f64 = 0.999;
 
-/// Coefficients that fall by this factor, squared, along the tail belong to a smooth function: those of a
+/// Coefficients whose squares fall to this part or less along the tail belong to a smooth function: those of a
 /// jump of the third derivative fall by 16 in amplitude from the 6th to the 12th.
-pub(super) const MIN_DECAY: f64 = 1e-3;
+pub(super) const MAX_TAIL_RATIO: f64 = 1e-3;
 
 /// A break whose size vanishes somewhere in its gap, to this part squared, is a kink there. Calibrated.
 pub(super) const MAX_SIZE_AT_KINK: f64 = 0.02;
@@ -75,7 +75,7 @@ pub(super) const MARGIN_BETWEEN_POINTS: f64 = 2.0;
 pub(super) const MAX_TURNING_POINTS: usize = 64;
 
 /// Turning points no further apart than this part of half a piece are one.
-pub(super) const MAX_DISTANCE_OF_SAME_TURN: f64 = 1e-6;
+pub(super) const MAX_DISTANCE_OF_SAME_TURNING_POINT: f64 = 1e-6;
 
 /// Rounding of a few operations.
 pub(super) const ROUNDING_OF_OPERATIONS: f64 = 16.0 * f64::EPSILON;
@@ -128,9 +128,9 @@ pub(super) const MAX_JUMP_OF_GRID: f64 = 1e-6;
 /// A difference of two states is a jump if it is this part of what it becomes by the end of the step.
 pub(super) const MIN_PART_OF_FINAL_JUMP: f64 = 1e-4;
 
-/// A known break lies in a first piece that reaches this far to both sides of it: much further than the
+/// A known break, or the crossing of a grid line, lies in a first piece that reaches this far to both sides of it: much further than the
 /// rounding of where it is, and not at all on the scale of the loop.
-pub(super) const REACH_AROUND_KNOWN_BREAK: f64 = 1e-10;
+pub(super) const REACH_AROUND_CUT: f64 = 1e-10;
 
 /// A piece is cut at up to this number of crossings of grid lines, and in halves if there are more.
 pub(super) const MAX_CROSSINGS: usize = 16;
@@ -148,7 +148,7 @@ pub(super) const DISTANCE_OF_SLOPES: f64 = 1e-6;
 /// A piece this many distances of samples long has two samples, which show how the loop continues beyond it.
 pub(super) const MIN_LENGTH_OF_CALM_PIECE: f64 = 2.0;
 
-/// So many distances of samples may lie between two such pieces: a feature of one, and on both sides of it shorter
+/// The largest distance between two such pieces, in distances of samples: a feature of one, and on both sides of it shorter
 /// pieces, which halve from `MIN_LENGTH_OF_CALM_PIECE` down to its width, and are cut at a sample.
 pub(super) const MAX_WIDTH_OF_FEATURE: f64 = 8.0;
 

@@ -42,11 +42,11 @@ pub(super) struct Lobatto {
     /// A break between nodes i and i + 1.
     pub gaps: [Gap; DEGREE],
     /// The bases of the tails of all gaps, [`MAX_TERMS_OF_BREAK`] numbers for each gap: one column for each coefficient of a tail.
-    tails: [OfGaps; SMALL_COEFFICIENTS],
+    tails: [GapColumn; SMALL_COEFFICIENTS],
 }
 
 /// Numbers for each term of each gap, filled up with zeros to whole vector registers.
-type OfGaps = [f64; NUMBERS_OF_GAPS];
+type GapColumn = [f64; NUMBERS_OF_GAPS];
 
 const NUMBERS_OF_GAPS: usize = (DEGREE * MAX_TERMS_OF_BREAK).next_multiple_of(LANES);
 

@@ -47,7 +47,7 @@ use closure::close;
 use curves::{CurvePoint, Curves, PointImage};
 pub(crate) use integrator::Identity;
 use lift::Lift;
-use limits::{FULL_LEVEL, REACH_AROUND_KNOWN_BREAK, SAMPLES_TO_UNWRAP};
+use limits::{FULL_LEVEL, REACH_AROUND_CUT, SAMPLES_TO_UNWRAP};
 use piece::Piece;
 use refinement::{Budget, Refinement};
 use scales::Scales;
@@ -267,10 +267,8 @@ impl Piecewise {
         let count = self.pieces.clamp(1, affordable);
         let mut edges: Vec<f64> = (0..=count).map(|k| k as f64 / count as f64).collect();
         let around = (known.iter().filter(|s| s.is_finite()))
-            .flat_map(|s| [s - REACH_AROUND_KNOWN_BREAK, s + REACH_AROUND_KNOWN_BREAK])
-            .filter(|edge| {
-                (REACH_AROUND_KNOWN_BREAK..1.0 - REACH_AROUND_KNOWN_BREAK).contains(edge)
-            });
+            .flat_map(|s| [s - REACH_AROUND_CUT, s + REACH_AROUND_CUT])
+            .filter(|edge| (REACH_AROUND_CUT..1.0 - REACH_AROUND_CUT).contains(edge));
         edges.extend(around.take(affordable - count));
         edges.sort_by(f64::total_cmp);
         edges.dedup();

@@ -161,7 +161,7 @@ impl Piece {
 
 /// A piece that is done, or may be taken unchanged.
 #[derive(Clone)]
-pub(super) struct Smooth {
+pub(super) struct SmoothPiece {
     pub curve: usize,
     pub a: f64,
     pub b: f64,
@@ -192,10 +192,10 @@ pub(super) struct InterpolationMiss {
     pub jump: f64,
 }
 
-impl Smooth {
+impl SmoothPiece {
     /// The same where nothing more can be done about it.
     pub fn unresolved(self) -> Self {
-        Smooth {
+        SmoothPiece {
             resolved: false,
             error: self.error_of_jump,
             ..self

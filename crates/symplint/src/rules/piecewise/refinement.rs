@@ -3,16 +3,16 @@
 use std::sync::Arc;
 
 use super::curves::{CurvePoint, Curves, PointImage};
-use super::examine::{Finding, TurningPoints, View, Why};
+use super::examine::{CutReason, Finding, TurningPoints, View};
 use super::jump::{Judgement, Jump};
 use super::limits::{
     MARGIN_BETWEEN_POINTS, MARGIN_OF_NOISE, MAX_JUMP_OF_GRID, MAX_LENGTH_OF_NOISE, MAX_NOISE,
 };
 use super::lobatto::{DEGREE, POINTS};
 use super::noise;
-use super::piece::{Piece, Smooth};
+use super::piece::{Piece, SmoothPiece};
 use super::scales::Scales;
-use super::task::{EVALUATIONS_OF_BREAK, Outcome, Task, Unchanged, looks};
+use super::task::{EVALUATIONS_OF_BREAK, FinishedPiece, Outcome, Task, looks};
 use crate::breaks::{Break, Progress, REACH_OF_CONFIRMATION, uncertainty_of_position};
 use crate::error::Error;
 use crate::signal::nearest;
@@ -24,7 +24,7 @@ pub(super) struct Refinement<'a> {
     pub coordinates: &'a Coordinates,
     pub scales: Scales,
     /// Pieces that are done.
-    pub smooth: Vec<Smooth>,
+    pub smooth: Vec<SmoothPiece>,
     /// Breaks of all curves.
     pub breaks: Vec<CurveBreak>,
     pub budget: Budget,
@@ -336,11 +336,11 @@ impl<'a> Refinement<'a> {
         match judgement {
             Judgement::LookAgain => return self.go_on(Task::Confirm(jump)),
             Judgement::Break if jump.wants_confirmation(&self.scales, self.coordinates) => {
-                let piece = Unchanged::Piece(Box::new(jump.piece.clone()));
+                let piece = FinishedPiece::Piece(Box::new(jump.piece.clone()));
                 return Outcome::then(vec![Task::Confirm(jump)], piece);
             }
             Judgement::LookAround if jump.look_around() => {
-                let piece = Unchanged::Piece(Box::new(jump.piece.clone()));
+                let piece = FinishedPiece::Piece(Box::new(jump.piece.clone()));
                 return Outcome::then(vec![Task::Confirm(jump)], piece);
             }
             _ => {}
@@ -382,7 +382,7 @@ impl<'a> Refinement<'a> {
             }
         };
         outcome.next = looks(parts);
-        outcome.piece = Some(Unchanged::Piece(Box::new(jump.piece)));
+        outcome.piece = Some(FinishedPiece::Piece(Box::new(jump.piece)));
         outcome
     }
 
@@ -391,10 +391,10 @@ impl<'a> Refinement<'a> {
     }
 
     /// A piece about which nothing more is done.
-    fn integrated(&self, piece: Unchanged) -> Smooth {
+    fn integrated(&self, piece: FinishedPiece) -> SmoothPiece {
         match piece {
-            Unchanged::Smooth(smooth) => smooth,
-            Unchanged::Piece(piece) => self.view(&piece).fitted().integrate(false),
+            FinishedPiece::Smooth(smooth) => smooth,
+            FinishedPiece::Piece(piece) => self.view(&piece).fitted().integrate(false),
         }
     }
 
@@ -402,7 +402,7 @@ impl<'a> Refinement<'a> {
         let Some((view, finding)) = self.view(&piece).look() else {
             let mut next = piece.clone();
             next.level += 1;
-            return Outcome::then(vec![Task::Look(next)], Unchanged::Piece(piece));
+            return Outcome::then(vec![Task::Look(next)], FinishedPiece::Piece(piece));
         };
         match finding {
             Finding::Smooth(turning) => {
@@ -410,17 +410,19 @@ impl<'a> Refinement<'a> {
                 if turning.expected.is_empty() {
                     return Outcome::done(smooth);
                 }
-                let unchanged = Unchanged::Smooth(smooth.clone());
+                let unchanged = FinishedPiece::Smooth(smooth.clone());
                 let task = Task::CheckTurningPoints(piece, Box::new(smooth), turning);
                 Outcome::then(vec![task], unchanged)
             }
             Finding::TooShort => Outcome::done(view.integrate(false)),
-            Finding::Jump(jump) => Outcome::then(vec![Task::Halve(jump)], Unchanged::Piece(piece)),
+            Finding::Jump(jump) => {
+                Outcome::then(vec![Task::Halve(jump)], FinishedPiece::Piece(piece))
+            }
             Finding::Cut { at, why } => {
-                let noisy = why != Why::Explained && piece.length() < MAX_LENGTH_OF_NOISE;
-                if noisy && self.noise_known && why == Why::Unexplained {
+                let noisy = why != CutReason::Explained && piece.length() < MAX_LENGTH_OF_NOISE;
+                if noisy && self.noise_known && why == CutReason::Unexplained {
                     let task = Task::EstimateNoise(piece.clone());
-                    return Outcome::then(vec![task], Unchanged::Piece(piece));
+                    return Outcome::then(vec![task], FinishedPiece::Piece(piece));
                 }
                 Outcome {
                     noisy,
@@ -438,14 +440,14 @@ impl<'a> Refinement<'a> {
         }
         let mut next = piece.clone();
         next.noise = Some(allowance.into());
-        Outcome::then(vec![Task::Look(next)], Unchanged::Piece(piece))
+        Outcome::then(vec![Task::Look(next)], FinishedPiece::Piece(piece))
     }
 
     /// Accepts a piece if its turning points are where the interpolant has them; else cuts it there.
     fn check_turning_points(
         &self,
         piece: Piece,
-        smooth: Smooth,
+        smooth: SmoothPiece,
         turning: &TurningPoints,
         images: &[PointImage],
     ) -> Outcome {
@@ -456,7 +458,7 @@ impl<'a> Refinement<'a> {
                 off.abs() > MARGIN_BETWEEN_POINTS * turning.allowed[c]
             });
             if misses {
-                return Outcome::then(looks(piece.cut(&[*s])), Unchanged::Smooth(smooth));
+                return Outcome::then(looks(piece.cut(&[*s])), FinishedPiece::Smooth(smooth));
             }
         }
         Outcome::done(smooth)

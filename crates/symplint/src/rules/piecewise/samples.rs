@@ -4,14 +4,14 @@ use multiversion::multiversion;
 
 use super::examine::View;
 use super::fit::Fit;
-use super::limits::{MARGIN_BETWEEN_POINTS, MIN_JUMP_OVER_MISS, SAMPLES_PER_ESTIMATE};
+use super::limits::{MARGIN_BETWEEN_POINTS, MAX_JUMP_OVER_MISS, SAMPLES_PER_ESTIMATE};
 use super::lobatto::{Values, derivative, evaluate_each};
 use super::piece::InterpolationMiss;
 use crate::signal::{Extent, LANES, nearest};
 use crate::state::{Ensemble, coordinate, period};
 
 /// The samples between the ends of a piece.
-struct Inside<'a> {
+struct InnerSamples<'a> {
     view: &'a View<'a>,
     advanced: &'a Ensemble,
     /// The number of the first one.
@@ -20,7 +20,7 @@ struct Inside<'a> {
     x: Vec<f64>,
 }
 
-impl<'a> Inside<'a> {
+impl<'a> InnerSamples<'a> {
     /// There are samples of the loop itself alone, not of the segments that close its breaks.
     fn of(view: &'a View<'a>) -> Option<Self> {
         let advanced = view.samples.filter(|_| view.piece.curve == 0)?;
@@ -28,7 +28,7 @@ impl<'a> Inside<'a> {
         let first = ((view.piece.a * samples).floor() + 1.0).clamp(0.0, samples) as usize;
         let end = (view.piece.b * samples).ceil().min(samples) as usize;
         let inside = first..end.max(first);
-        Some(Inside {
+        Some(InnerSamples {
             view,
             advanced,
             first,
@@ -62,7 +62,7 @@ fn along(x: &[f64], coefficients: &Values) -> Vec<f64> {
 
 /// The parameter of the first sample on the piece that is not where the interpolant of some coordinate has it.
 pub(super) fn missed_sample(view: &View<'_>) -> Option<f64> {
-    let inside = Inside::of(view)?;
+    let inside = InnerSamples::of(view)?;
     let all = inside.x.len();
     let first = view.fits.iter().enumerate().fold(all, |first, (c, fit)| {
         let most = MARGIN_BETWEEN_POINTS * view.allowed(c, fit);
@@ -78,7 +78,7 @@ pub(super) fn missed_sample(view: &View<'_>) -> Option<f64> {
 /// every `SAMPLES_PER_ESTIMATE`-th sample: the error of the interpolated integral to first order, as δq vanishes at both ends. A jump
 /// of q is not a part of the integral, but of the integral of the interpolant.
 pub(super) fn missed(view: &View<'_>) -> Option<InterpolationMiss> {
-    let inside = Inside::of(view)?;
+    let inside = InnerSamples::of(view)?;
     let all = inside.x.len();
     if all < SAMPLES_PER_ESTIMATE {
         return None;
@@ -98,7 +98,7 @@ pub(super) fn missed(view: &View<'_>) -> Option<InterpolationMiss> {
             estimates[(inside.first + k) % SAMPLES_PER_ESTIMATE] += weight * part;
         }
         // The noise of the map makes no jumps.
-        let size = MIN_JUMP_OVER_MISS * (largest - view.scales.noise[i]).max(0.0);
+        let size = MAX_JUMP_OVER_MISS * (largest - view.scales.noise[i]).max(0.0);
         jump += weight.abs() * size * Extent::of(&p.values).magnitude();
     }
     // From the derivative by x to that by s, and from sums to means.

@@ -5,7 +5,7 @@ use super::closure::Closing;
 use super::limits::{
     ERROR_OVER_ESTIMATE, MAX_DISTANCE_OF_NEIGHBOURS, MIN_BREAK_OVER_NOISE, SAMPLES_PER_ESTIMATE,
 };
-use super::piece::Smooth;
+use super::piece::SmoothPiece;
 use super::refinement::Refinement;
 use super::under_resolved::{beside_samples, under_resolved};
 use crate::breaks::Break;
@@ -19,7 +19,7 @@ pub(super) fn sum(
     closed: &Closing,
     break_uncertainty: f64,
 ) -> Result<PiecewiseIntegral, Error> {
-    let mut smooth: Vec<&Smooth> = refinement.smooth.iter().collect();
+    let mut smooth: Vec<&SmoothPiece> = refinement.smooth.iter().collect();
     smooth.sort_by(|x, y| (x.curve.cmp(&y.curve)).then(x.a.total_cmp(&y.a)));
     let pieces = smooth.partition_point(|piece| piece.curve == 0);
     let errors = Errors::of(refinement, &smooth);
@@ -81,7 +81,7 @@ struct Errors {
 }
 
 impl Errors {
-    fn of(refinement: &Refinement<'_>, smooth: &[&Smooth]) -> Self {
+    fn of(refinement: &Refinement<'_>, smooth: &[&SmoothPiece]) -> Self {
         let (mut error, mut exposure, mut scale) = (under_resolved(refinement), 0.0, 0.0);
         let mut missed = [0.0; SAMPLES_PER_ESTIMATE];
         for piece in smooth {
@@ -98,7 +98,7 @@ impl Errors {
         }
         error += ERROR_OVER_ESTIMATE * missed.into_iter().map(f64::abs).fold(0.0, f64::max);
         // Neighbours share the state between them: noise takes from one what it adds to the other.
-        let is_noisy = |piece: &Smooth| piece.error_of_noise > 0.0;
+        let is_noisy = |piece: &SmoothPiece| piece.error_of_noise > 0.0;
         for run in smooth.chunk_by(|x, y| is_noisy(x) && is_noisy(y) && x.b == y.a) {
             error += run
                 .iter()
@@ -128,7 +128,7 @@ impl Integrals {
     fn of(
         refinement: &Refinement<'_>,
         closed: &Closing,
-        (pieces, segments): (&[&Smooth], &[&Smooth]),
+        (pieces, segments): (&[&SmoothPiece], &[&SmoothPiece]),
     ) -> Self {
         let (coordinates, scales) = (refinement.coordinates, &refinement.scales);
         let dof = coordinates.dof();
@@ -143,7 +143,7 @@ impl Integrals {
             }
             sums
         };
-        fn part(piece: &Smooth) -> (&[f64], &[f64]) {
+        fn part(piece: &SmoothPiece) -> (&[f64], &[f64]) {
             (&piece.areas, &piece.gains)
         }
         let pieces = sums(&mut pieces.iter().map(|piece| part(piece)));

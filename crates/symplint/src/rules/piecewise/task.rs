@@ -4,7 +4,7 @@ use super::curves::CurvePoint;
 use super::examine::TurningPoints;
 use super::jump::Jump;
 use super::noise;
-use super::piece::{Piece, Smooth};
+use super::piece::{Piece, SmoothPiece};
 use super::refinement::CurveBreak;
 
 /// States of a closing segment whose ends are known, if it is straight: inner nodes and checks.
@@ -25,7 +25,7 @@ pub(super) enum Task {
     /// Tell a jump that no double lies in from the noise on both sides of it.
     Confirm(Box<Jump>),
     /// Compare a piece that looks smooth with its states at turning points of positions.
-    CheckTurningPoints(Box<Piece>, Box<Smooth>, TurningPoints),
+    CheckTurningPoints(Box<Piece>, Box<SmoothPiece>, TurningPoints),
     /// Estimate the noise of a very short stretch that nothing explains.
     EstimateNoise(Box<Piece>),
 }
@@ -43,13 +43,13 @@ pub(super) struct Outcome {
     /// The evaluations granted that are not needed.
     pub refund: usize,
     /// The piece unchanged: it is done if there is nothing to do next, or no means to.
-    pub piece: Option<Unchanged>,
+    pub piece: Option<FinishedPiece>,
 }
 
 /// A piece as it is.
-pub(super) enum Unchanged {
+pub(super) enum FinishedPiece {
     /// Integrated already.
-    Smooth(Smooth),
+    Smooth(SmoothPiece),
     /// Not resolved: it is integrated if nothing else can be done about it.
     Piece(Box<Piece>),
 }
@@ -94,11 +94,11 @@ impl Task {
 }
 
 impl Outcome {
-    pub fn done(smooth: Smooth) -> Self {
-        Outcome::then(Vec::new(), Unchanged::Smooth(smooth))
+    pub fn done(smooth: SmoothPiece) -> Self {
+        Outcome::then(Vec::new(), FinishedPiece::Smooth(smooth))
     }
 
-    pub fn then(next: Vec<Task>, piece: Unchanged) -> Self {
+    pub fn then(next: Vec<Task>, piece: FinishedPiece) -> Self {
         Outcome {
             next,
             piece: Some(piece),
@@ -108,7 +108,7 @@ impl Outcome {
 
     /// To look at the parts of an unresolved piece.
     pub fn cut(piece: Box<Piece>, at: &[f64]) -> Self {
-        Outcome::then(looks(piece.cut(at)), Unchanged::Piece(piece))
+        Outcome::then(looks(piece.cut(at)), FinishedPiece::Piece(piece))
     }
 }
 

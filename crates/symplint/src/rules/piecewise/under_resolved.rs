@@ -16,7 +16,7 @@ use super::limits::{
     MAX_EXPONENT_OF_SPIKES, MAX_WIDTH_OF_FEATURE, MIN_LENGTH_OF_CALM_PIECE, NEIGHBOURING_SAMPLES,
 };
 use super::lobatto::{LOBATTO, NODES, Values};
-use super::piece::Smooth;
+use super::piece::SmoothPiece;
 use super::refinement::Refinement;
 use crate::error::Error;
 use crate::rules::{LoopIntegral, Rule};
@@ -30,7 +30,7 @@ const OPERATIONS_OF_STRETCH: usize = 1 << 10;
 struct Stretch<'a> {
     refinement: &'a Refinement<'a>,
     samples: &'a Ensemble,
-    pieces: &'a [&'a Smooth],
+    pieces: &'a [&'a SmoothPiece],
     /// Its start and its end: beyond 1 if that is in the next revolution.
     ends: [f64; 2],
     /// Samples in the long pieces on the left, then on the right, rising, counted on from one revolution to the next.
@@ -80,9 +80,9 @@ pub(super) fn under_resolved(refinement: &Refinement<'_>) -> f64 {
         return 0.0;
     };
     let count = samples.samples() as f64;
-    let is_calm = |piece: &Smooth| (piece.b - piece.a) * count >= MIN_LENGTH_OF_CALM_PIECE;
+    let is_calm = |piece: &SmoothPiece| (piece.b - piece.a) * count >= MIN_LENGTH_OF_CALM_PIECE;
     let of_loop = refinement.smooth.iter().filter(|piece| piece.curve == 0);
-    let mut pieces: Vec<&Smooth> = of_loop.collect();
+    let mut pieces: Vec<&SmoothPiece> = of_loop.collect();
     pieces.sort_by(|x, y| x.a.total_cmp(&y.a));
     // From a long piece after a short one on, once round.
     let before = |k: usize| pieces[(k + pieces.len() - 1) % pieces.len()];
@@ -91,12 +91,12 @@ pub(super) fn under_resolved(refinement: &Refinement<'_>) -> f64 {
         return 0.0;
     };
     pieces.rotate_left(first);
-    let runs: Vec<&[&Smooth]> = pieces.chunk_by(|x, y| is_calm(x) == is_calm(y)).collect();
+    let runs: Vec<&[&SmoothPiece]> = pieces.chunk_by(|x, y| is_calm(x) == is_calm(y)).collect();
     let ends = |k: usize| {
         let run = runs[k % runs.len()];
         let [from, to] = [run[0], run[run.len() - 1]];
         let revolution =
-            |piece: &Smooth| (k / runs.len()) as f64 + f64::from(piece.a < pieces[0].a);
+            |piece: &SmoothPiece| (k / runs.len()) as f64 + f64::from(piece.a < pieces[0].a);
         [from.a + revolution(from), to.b + revolution(to)]
     };
     let (mut net, mut error) = (0.0, 0.0);
@@ -137,7 +137,7 @@ impl<'a> Stretch<'a> {
     fn new(
         refinement: &'a Refinement<'a>,
         samples: &'a Ensemble,
-        pieces: &'a [&'a Smooth],
+        pieces: &'a [&'a SmoothPiece],
         ends: [f64; 2],
         [left, right]: &[Vec<usize>; 2],
     ) -> Self {

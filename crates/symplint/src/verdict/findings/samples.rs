@@ -157,7 +157,7 @@ impl Display for SampleFinding {
                 true => write!(
                     f,
                     "The integral of the loop is not known: {samples} samples are too few to show whether a loop is smooth. Give {} or more.",
-                    crate::evidence::MIN_SAMPLES
+                    crate::evidence::MIN_SAMPLES_OF_SHAPE
                 ),
                 false => write!(
                     f,

@@ -2,7 +2,7 @@
 
 use super::{Case, Decision, change, moves_rest};
 use crate::breaks::Break;
-use crate::evidence::{LoopEvidence, MAX_BOUND, StepEvidence};
+use crate::evidence::{LoopEvidence, MAX_BOUND_ON_DEFECT, StepEvidence};
 use crate::signal::SIGNIFICANT;
 use crate::verdict::VerdictKind;
 use crate::verdict::advice::Advice;
@@ -150,7 +150,7 @@ impl Case<'_> {
             });
         }
         let bound = defect.magnitude() + defect.uncertainty();
-        (bound <= MAX_BOUND).then_some(WorstClosure {
+        (bound <= MAX_BOUND_ON_DEFECT).then_some(WorstClosure {
             finding: Finding::Breaks(BreakFinding::ClosedConserved {
                 bound,
                 straight: closing.straight,

@@ -1,7 +1,7 @@
 //! Groups of degrees of freedom of similar action: what is known of each.
 
 use super::{Case, Decision};
-use crate::evidence::{LoopEvidence, MAX_BOUND, Motion, StepEvidence};
+use crate::evidence::{LoopEvidence, MAX_BOUND_ON_DEFECT, Motion, StepEvidence};
 use crate::verdict::advice::Advice;
 use crate::verdict::findings::{BoundFinding, Finding};
 
@@ -19,7 +19,7 @@ impl Case<'_> {
                 by_loops: None,
                 by_jacobian,
                 ..
-            }) => by_jacobian.filter(|bound| *bound <= MAX_BOUND),
+            }) => by_jacobian.filter(|bound| *bound <= MAX_BOUND_ON_DEFECT),
             _ => None,
         })
     }
@@ -71,7 +71,8 @@ impl Case<'_> {
             else {
                 return false;
             };
-            let known = |bound: &Option<f64>| bound.is_some_and(|bound| bound <= MAX_BOUND);
+            let known =
+                |bound: &Option<f64>| bound.is_some_and(|bound| bound <= MAX_BOUND_ON_DEFECT);
             !known(by_loops) && !known(by_jacobian)
         })?;
         let mut decision = self.because(unknown, vec![Advice::LargerRadiiOfGroup]);

@@ -14,7 +14,7 @@ use crate::verdict::findings::{
 };
 use crate::verdict::jacobian::JacobianVerdict;
 use crate::verdict::thresholds::{
-    MAX_DEFORMATION, MAX_POINT_OF_DISC, MAX_SOLVER_TOLERANCE, MAX_STEP_FACTOR,
+    MAX_AREA_OF_POINT, MAX_DEFORMATION, MAX_SOLVER_TOLERANCE, MAX_STEP_FACTOR,
     MAX_UNCONFIRMED_DEFECT, MIN_UNBALANCED_RATIO,
 };
 
@@ -75,7 +75,7 @@ impl Case<'_> {
     /// All of the change sits at one point of the disc within the loop: it need not be a loop that can be contracted.
     pub(super) fn not_contracted(&self) -> Option<Decision> {
         let contraction = self.evidence.contraction?;
-        if contraction.area > MAX_POINT_OF_DISC || self.jacobian_refutes() {
+        if contraction.area > MAX_AREA_OF_POINT || self.jacobian_refutes() {
             return None;
         }
         let (found, step) = self.worst(StepEvidence::is_significant)?;
@@ -340,7 +340,7 @@ impl Case<'_> {
         let because = Finding::Samples(SampleFinding::UnknownIntegral {
             samples: found.samples,
             step: self.name(found, step),
-            too_few: found.samples < crate::evidence::MIN_SAMPLES,
+            too_few: found.samples < crate::evidence::MIN_SAMPLES_OF_SHAPE,
         });
         Some(self.because(
             because,

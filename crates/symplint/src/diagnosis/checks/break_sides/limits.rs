@@ -1,24 +1,24 @@
 //! The numbers of the test of broken loops.
 
-/// Evaluations of a diagnosis below which the sides of a break are not looked at: they would be more than a tenth.
-pub(super) const MIN_EVALUATIONS: usize = 400;
+/// A diagnosis that made fewer evaluations does not look at the sides of a break: they would be more than a tenth of all.
+pub(super) const MIN_EVALUATIONS_MADE: usize = 400;
 
 /// The same for the flow that leads from one side to the other.
-pub(super) const MIN_EVALUATIONS_FOR_FLOW: usize = 1000;
+pub(super) const MIN_EVALUATIONS_MADE_FOR_FLOW: usize = 1000;
 
 /// Distance of the nearest states from a break, as a part of the loop. Derived: the curvature of the loop, (2π)² of the square, is
 /// below rounding.
 pub(super) const MIN_DISTANCE: f64 = 1e-9;
 
 /// The same in units of the uncertainty of its place.
-pub(super) const DISTANCE_IN_UNCERTAINTIES: f64 = 8.0;
+pub(super) const MIN_DISTANCE_IN_UNCERTAINTIES: f64 = 8.0;
 
 /// Distances of further states, which show whether a coordinate is constant. Conventional: three decades.
 pub(super) const DISTANCES: [f64; 4] = [1e-6, 1e-5, 1e-4, 1e-3];
 
 /// A coordinate jumps if its jump, in units of its radius, is this part of the largest one. Conventional: what couples coordinates
 /// through the jump alone is smaller by the step size.
-pub(super) const MIN_RELATIVE_JUMP: f64 = 1e-6;
+pub(super) const MIN_JUMP_OVER_LARGEST: f64 = 1e-6;
 
 /// Coordinates that are kept, and as many partners.
 pub(super) const MAX_COORDINATES: usize = 12;

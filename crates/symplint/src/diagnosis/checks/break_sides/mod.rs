@@ -3,9 +3,9 @@
 mod limits;
 
 use limits::{
-    DISTANCE_IN_UNCERTAINTIES, DISTANCES, FIRST_PART_OF_STEP, MAX_COMPARED_BREAKS, MAX_COORDINATES,
-    MAX_DISTANCE_OVER_JUMP, MAX_PART_OF_STEP, MAX_SECANT_TRIALS, MIN_DISTANCE, MIN_EVALUATIONS,
-    MIN_EVALUATIONS_FOR_FLOW, MIN_RELATIVE_JUMP, SUBDIVISIONS,
+    DISTANCES, FIRST_PART_OF_STEP, MAX_COMPARED_BREAKS, MAX_COORDINATES, MAX_DISTANCE_OVER_JUMP,
+    MAX_PART_OF_STEP, MAX_SECANT_TRIALS, MIN_DISTANCE, MIN_DISTANCE_IN_UNCERTAINTIES,
+    MIN_EVALUATIONS_MADE, MIN_EVALUATIONS_MADE_FOR_FLOW, MIN_JUMP_OVER_LARGEST, SUBDIVISIONS,
 };
 
 use super::{GivenLoop, Runner};
@@ -33,7 +33,7 @@ impl Runner<'_> {
         given: &GivenLoop<'_>,
     ) -> Result<(), Error> {
         // What tells the cause costs a small part of what told the break.
-        if self.count.made() < MIN_EVALUATIONS || given.probe.is_beyond_memory() {
+        if self.count.made() < MIN_EVALUATIONS_MADE || given.probe.is_beyond_memory() {
             return Ok(());
         }
         let broken = (self.evidence.loops.iter()).find(|found| !found.winds && found.is_broken());
@@ -70,7 +70,7 @@ impl Runner<'_> {
             return Ok(());
         };
         (sides.loop_index, sides.step_size) = (loop_index, step_size);
-        if step_size.is_some() && self.count.made() >= MIN_EVALUATIONS_FOR_FLOW {
+        if step_size.is_some() && self.count.made() >= MIN_EVALUATIONS_MADE_FOR_FLOW {
             sides.along_flow = along_flow(subject, h, &low_and_high, &given.size)?;
         }
         sides.places = places(subject, h, &breaks)?;
@@ -97,7 +97,7 @@ fn look(
     size: &LoopSize,
 ) -> Result<Option<(BreakSides, Ensemble)>, Error> {
     let (evaluator, dof) = (subject.evaluator, subject.dof());
-    let nearest_distance = MIN_DISTANCE.max(DISTANCE_IN_UNCERTAINTIES * jump.uncertainty);
+    let nearest_distance = MIN_DISTANCE.max(MIN_DISTANCE_IN_UNCERTAINTIES * jump.uncertainty);
     let distances: Vec<f64> = [nearest_distance, 2.0 * nearest_distance]
         .into_iter()
         .chain(
@@ -125,7 +125,7 @@ fn look(
     let scaled = |of: &CoordinateAtBreak| of.jump().abs() / of.radius;
     let largest = all.iter().map(scaled).fold(0.0, f64::max);
     for of in &mut all {
-        of.jumps = of.jumps && scaled(of) > MIN_RELATIVE_JUMP * largest;
+        of.jumps = of.jumps && scaled(of) > MIN_JUMP_OVER_LARGEST * largest;
     }
     let shows = |of: f64, jumps: f64| (of - jumps).abs() <= 0.5 * jumps.abs();
     let [q, p] = [&all[jump.dof], &all[dof + jump.dof]];
@@ -282,7 +282,7 @@ fn places(subject: Subject<'_>, h: f64, breaks: &[Break]) -> Result<Vec<Position
     let before = states_at(subject.phase_loop, &s);
     let beside: Vec<f64> = (breaks.iter())
         .map(|found| {
-            let distance = MIN_DISTANCE.max(DISTANCE_IN_UNCERTAINTIES * found.uncertainty);
+            let distance = MIN_DISTANCE.max(MIN_DISTANCE_IN_UNCERTAINTIES * found.uncertainty);
             (found.s - distance).rem_euclid(1.0)
         })
         .collect();

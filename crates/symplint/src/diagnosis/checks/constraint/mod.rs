@@ -6,7 +6,7 @@ pub(in crate::diagnosis) use singular::cost as singular_cost;
 
 use super::{GivenLoop, Runner};
 use crate::error::Error;
-use crate::evidence::{Check, LoopEvidence, MAX_BOUND, Why};
+use crate::evidence::{Check, LoopEvidence, MAX_BOUND_ON_DEFECT, Why};
 use crate::jacobian::JacobianEvidence;
 use crate::rules::Subject;
 use crate::signal::{nearest, parameter};
@@ -93,7 +93,7 @@ impl Runner<'_> {
             .map(distance)
             .filter(|of| of.is_finite())
             .fold(0.0, f64::max);
-        self.evidence.survey.off_manifold = Some(off).filter(|off| *off > MAX_BOUND);
+        self.evidence.survey.off_manifold = Some(off).filter(|off| *off > MAX_BOUND_ON_DEFECT);
         Ok(())
     }
 }

@@ -16,6 +16,7 @@ const JACOBIAN_POINTS: usize = 2;
 /// Distances of the central differences, in sizes of the loop: small, as a map may not work far from its manifold,
 /// and far above the rounding of single precision.
 const DISTANCES: [f64; 3] = [1.0 / 64.0, 1.0 / 128.0, 1.0 / 256.0];
+
 /// The factor from one distance to the next.
 const RATIO: f64 = DISTANCES[0] / DISTANCES[1];
 
@@ -206,13 +207,15 @@ impl Columns {
             let distance = 2.0 * DISTANCES[level] * radius(displaced[column]);
             change / unit(row) / (distance / unit(displaced[column]))
         };
-        let tables = DMatrix::from_fn(2 * dof, displaced.len(), |row, column| {
+        let entries = DMatrix::from_fn(2 * dof, displaced.len(), |row, column| {
             let levels = (0..DISTANCES.len()).map(|level| difference(row, column, level));
-            extrapolate::<3, 3>(levels, RATIO, 2)
+            // Errors of central differences are even powers of the distance.
+            let [_, [_, coarse, _], [_, fine, value]] = extrapolate(levels, RATIO, 2);
+            [value, f64::abs(fine - coarse)]
         });
         Ok(Columns {
-            errors: tables.map(|table| (table[2][1] - table[1][1]).abs()),
-            value: tables.map(|table| table[2][2]),
+            value: entries.map(|[value, _]| value),
+            errors: entries.map(|[_, error]| error),
         })
     }
 

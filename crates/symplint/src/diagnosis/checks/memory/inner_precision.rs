@@ -2,7 +2,7 @@
 
 use crate::error::Error;
 use crate::loops::FEW_SAMPLES;
-use crate::map::{Before, Grain};
+use crate::map::{Grain, SamplesBefore};
 use crate::rules::Subject;
 use crate::signal::noise::{STEPS_OF_NOISE, SixthDifferences};
 use crate::signal::{Extent, nearest};
@@ -52,7 +52,7 @@ pub(super) fn rounding_inside(subject: Subject<'_>, h: f64) -> Result<Option<Vec
         subject.coordinates(),
         Some(&units),
         value,
-        |_| Before::Unknown,
+        |_| SamplesBefore::Unknown,
     );
     let Some(grain) = grain else {
         return Ok(None);

@@ -25,8 +25,8 @@ const STATES_OF_REPEATED_BATCH: usize = 8;
 /// Differences up to this many standard deviations are explained by scatter.
 const MAX_DEVIATIONS_OF_SCATTER: f64 = 16.0;
 
-/// The same if the map computes in single precision, or less: sums cancel.
-const MAX_DEVIATIONS_IN_SINGLE: f64 = 64.0;
+/// Differences up to this many roundings are explained by rounding if results have no more digits than single precision: sums cancel.
+const MAX_ROUNDINGS_OF_FEW_DIGITS: f64 = 64.0;
 
 /// Rows that differ twice in another order, at least.
 const MIN_ROWS_CHANGED_BY_ORDER: usize = 3;
@@ -306,7 +306,7 @@ fn exceed_rounding(repeats: &Repeats, sizes: &[f64]) -> bool {
     let single = 0.5f64.powi(BITS_OF_SINGLE as i32);
     let unit = repeats.unit_of_results();
     let bar = match unit > single {
-        true => MAX_DEVIATIONS_IN_SINGLE * unit,
+        true => MAX_ROUNDINGS_OF_FEW_DIGITS * unit,
         false => MAX_ROUNDINGS_OF_SINGLE * single,
     };
     (0..sizes.len()).any(|c| sizes[c] > bar * repeats.magnitude(c))

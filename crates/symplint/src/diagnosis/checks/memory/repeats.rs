@@ -26,11 +26,11 @@ pub(super) struct Repeats {
     /// The whole batch before the step, if other states were in other rows, and it is known.
     pub whole: Option<Ensemble>,
     /// Calls with other results.
-    pub again: Vec<Again>,
+    pub again: Vec<RepeatedCall>,
 }
 
 /// A further call.
-pub(super) struct Again {
+pub(super) struct RepeatedCall {
     /// Which of the states each row was.
     pub order: Vec<usize>,
     pub after: Ensemble,
@@ -135,7 +135,7 @@ impl Repeats {
         };
         // Equal results take no memory: there may be millions of coordinates.
         if !(0..2 * after.dof()).all(is_same) {
-            self.again.push(Again {
+            self.again.push(RepeatedCall {
                 order,
                 after,
                 circumstance,

@@ -14,7 +14,7 @@ const REPETITIONS: usize = 8;
 const MAX_RANDOM_DEVIATIONS: f64 = 3.0;
 
 /// Repetitions drift if straight lines explain this part of their squares: of independent values with a probability of 1e-6.
-const MIN_PART_OF_DRIFT: f64 = 0.9;
+const MIN_PART_EXPLAINED_BY_DRIFT: f64 = 0.9;
 
 /// Means of repetitions that rounding moves differ by less than single results.
 const PART_OF_MEANS: f64 = 1.0 / 16.0;
@@ -121,7 +121,7 @@ fn chance(values: &[Vec<f64>; 2], tolerance: f64) -> (f64, bool) {
     let most = (MAX_RANDOM_DEVIATIONS * deviation).max(tolerance * PART_OF_MEANS);
     let drifts = (Line::through(&all).rise.abs() > most)
         || (deviation > tolerance * PART_OF_MEANS
-            && lines[0].explained + lines[1].explained > MIN_PART_OF_DRIFT * within);
+            && lines[0].explained + lines[1].explained > MIN_PART_EXPLAINED_BY_DRIFT * within);
     let depends = (lines[0].mean - lines[1].mean).abs() > most;
     (deviation, !drifts && !depends)
 }

@@ -3,8 +3,8 @@
 use nalgebra::DMatrix;
 
 use super::limits::{
-    MAX_DEGENERATE_VALUE, MAX_DEGREE_OF_FIELD, MAX_RELATIVE_ERROR, MAX_ZERO_ENTRY,
-    MIN_ENTRY_NEAR_ONE, MIN_HALF_WIDTH, ROUNDS_OF_UNITS,
+    MAX_DEGREE_OF_FIELD, MAX_RELATIVE_ERROR, MAX_ZERO_ENTRY, MIN_ENTRY_NEAR_ONE,
+    MIN_RELATIVE_HALF_WIDTH, MIN_SINGULAR_VALUE_OF_FORM, ROUNDS_OF_UNITS,
 };
 use super::null_space::{Equations, NullSpace, Solutions};
 use crate::evidence::monomial;
@@ -197,7 +197,7 @@ fn equations(images: &[TangentImages], coordinates: &[usize], terms: &[Term]) ->
         let (xa, ya, ea, fa) = (along(&after, x), along(&after, y), error(e), error(f));
         let value = xa * y[b] - x[b] * ya - (ux * v[b] - u[b] * vy);
         let terms = (xa * y[b]).abs() + (x[b] * ya).abs() + (ux * v[b]).abs();
-        let rounding = MIN_HALF_WIDTH * (terms + (u[b] * vy).abs());
+        let rounding = MIN_RELATIVE_HALF_WIDTH * (terms + (u[b] * vy).abs());
         let of_first = ea * (y[b].abs() + f[b]) + xa.abs() * f[b];
         let of_second = e[b] * (ya.abs() + fa) + x[b].abs() * fa;
         (value, of_first + of_second + rounding + f64::MIN_POSITIVE)
@@ -225,7 +225,11 @@ fn weights(images: &[TangentImages], dof: usize, coordinates: &[usize]) -> Fit {
     let largest = norms.iter().copied().fold(0.0, f64::max);
     let mut units: Vec<f64> = norms
         .iter()
-        .map(|norm| (norm / largest).recip().min(1.0 / MAX_DEGENERATE_VALUE))
+        .map(|norm| {
+            (norm / largest)
+                .recip()
+                .min(1.0 / MIN_SINGULAR_VALUE_OF_FORM)
+        })
         .collect();
     for _ in 0..ROUNDS_OF_UNITS {
         let space = match equations.solve(&units) {
@@ -264,7 +268,7 @@ fn weights(images: &[TangentImages], dof: usize, coordinates: &[usize]) -> Fit {
             return Fit::Preserved((0..terms.len()).map(entry).collect());
         }
         for (unit, factor) in units.iter_mut().zip(factors) {
-            *unit *= factor.abs().max(MAX_DEGENERATE_VALUE);
+            *unit *= factor.abs().max(MIN_SINGULAR_VALUE_OF_FORM);
         }
     }
     Fit::Open
@@ -312,7 +316,7 @@ fn general(images: &[TangentImages], dof: usize, coordinates: &[usize]) -> Fit {
             return Fit::Preserved(entries(&form, &space, &terms, &units));
         }
         for (scale, factor) in scale.iter_mut().zip(factors) {
-            *scale *= factor.sqrt().max(MAX_DEGENERATE_VALUE);
+            *scale *= factor.sqrt().max(MIN_SINGULAR_VALUE_OF_FORM);
         }
     }
     Fit::Open
@@ -344,7 +348,7 @@ pub(super) fn with_field(images: &[TangentImages], dof: usize) -> Fit {
     let is_form = |form: &Vec<f64>| {
         form[..dof]
             .iter()
-            .all(|weight| weight.abs() > MAX_DEGENERATE_VALUE)
+            .all(|weight| weight.abs() > MIN_SINGULAR_VALUE_OF_FORM)
     };
     match candidates(&space, &canonical).into_iter().find(is_form) {
         Some(form) => Fit::Preserved(entries(&form, &space, &terms, &units)),
@@ -390,7 +394,7 @@ pub(super) fn are_equal(images: &[TangentImages]) -> bool {
             .zip(pair[1].errors.iter().flatten());
         let mut both = values.zip(errors);
         both.all(|((a, b), (of_a, of_b))| {
-            (a - b).abs() <= of_a + of_b + MIN_HALF_WIDTH * (a.abs() + b.abs())
+            (a - b).abs() <= of_a + of_b + MIN_RELATIVE_HALF_WIDTH * (a.abs() + b.abs())
         })
     })
 }
@@ -420,5 +424,5 @@ fn is_degenerate(matrix: &DMatrix<f64>) -> bool {
         return true;
     }
     let singular = matrix.clone().singular_values();
-    singular.min() <= MAX_DEGENERATE_VALUE * singular.max()
+    singular.min() <= MIN_SINGULAR_VALUE_OF_FORM * singular.max()
 }

@@ -25,7 +25,7 @@ pub(super) const DOFS_OF_FIELD: std::ops::RangeInclusive<usize> = 2..=3;
 
 /// Half the width of the interval in which a product of components lies at least, relative. Calibrated: the residual of stages that are
 /// solved to round-off makes as much, and no trial of a tangent map shows it.
-pub(super) const MIN_HALF_WIDTH: f64 = 2e-13;
+pub(super) const MIN_RELATIVE_HALF_WIDTH: f64 = 2e-13;
 
 /// Rounds in which units are found in which all entries of the form are near 1. Derived: one repairs half of the decades.
 pub(super) const ROUNDS_OF_UNITS: usize = 6;
@@ -35,7 +35,7 @@ pub(super) const MIN_ENTRY_NEAR_ONE: f64 = 0.25;
 
 /// A form is degenerate if its smallest singular value is this part of the largest one in those units. It is also the smallest factor of a
 /// unit in one round.
-pub(super) const MAX_DEGENERATE_VALUE: f64 = 1e-6;
+pub(super) const MIN_SINGULAR_VALUE_OF_FORM: f64 = 1e-6;
 
 /// An entry that is not known to this part of itself is not named. Conventional: three digits.
 pub(super) const MAX_RELATIVE_ERROR: f64 = 1e-3;
@@ -56,7 +56,7 @@ pub(super) const MIN_GAIN_OF_DOUBLING: f64 = 4.0;
 /// A number with this many digits fewer than its error supports was chosen by a person: one in a thousand others would be as short.
 pub(super) const MIN_SAVED_DIGITS: f64 = 3.0;
 
-/// The same if all entries of a group together have twice as many fewer, and this number in the mean.
+/// The same if all entries of a group together have twice this number of digits fewer, and at least this number on average.
 pub(super) const MIN_MEAN_SAVED_DIGITS: f64 = 1.5;
 
 /// Digits of other numbers in addition to those that their errors support: errors are bounds.

@@ -26,18 +26,18 @@ pub(super) const LOOPS_PER_GROUP: usize = 2;
 /// Random loops of an ample budget where the given loop breaks.
 const LOOPS_BESIDE_BREAKS: usize = 2;
 
-/// Loops are sure to be measured if all of them take no more than this part of the remaining budget: the first one
+/// Loops are sure to be measured if all of them take at most one in this number of the evaluations left: the first one
 /// may need more than the given one did.
-const SURE_PART_OF_BUDGET: usize = 2;
+const DIVISOR_OF_SURE_BUDGET: usize = 2;
 
 /// A loop besides the given one.
-pub(super) struct LoopToTry {
+pub(super) struct LoopCandidate {
     index: usize,
     kind: LoopKind,
     group: Option<usize>,
 }
 
-impl LoopToTry {
+impl LoopCandidate {
     fn evidence(&self) -> LoopEvidence {
         LoopEvidence {
             group: self.group,
@@ -56,8 +56,8 @@ impl Runner<'_> {
     ) -> Result<(), Error> {
         let diagnostic = self.diagnostic;
         let count = diagnostic.loops - 1;
-        let mut others: Vec<LoopToTry> = (1..=count)
-            .map(|index| LoopToTry {
+        let mut others: Vec<LoopCandidate> = (1..=count)
+            .map(|index| LoopCandidate {
                 index,
                 kind: random_kind(&given.size, index),
                 group: None,
@@ -73,7 +73,7 @@ impl Runner<'_> {
                 .collect();
             // In loops that move all, the group of the largest actions is what shows.
             let of_groups = (1..groups.len()).flat_map(|group| [group; LOOPS_PER_GROUP]);
-            others.extend(of_groups.enumerate().map(|(k, group)| LoopToTry {
+            others.extend(of_groups.enumerate().map(|(k, group)| LoopCandidate {
                 index: diagnostic.loops + 1 + k,
                 kind: LoopKind::Group,
                 group: Some(group),
@@ -115,7 +115,7 @@ impl Runner<'_> {
         &self,
         subject: Subject<'_>,
         given: &GivenLoop<'_>,
-        others: &[LoopToTry],
+        others: &[LoopCandidate],
     ) -> Result<(), Error> {
         let first = (self.diagnostic).first_of_loop(subject.dof(), &self.plan);
         let Some(samples) = first.filter(|_| subject.evaluator.has_prefetch()) else {
@@ -137,7 +137,7 @@ impl Runner<'_> {
     /// before which [`is_settled`](Self::is_settled) is false.
     fn sure_loops(&self, of_loop: usize) -> usize {
         self.needed_loops()
-            .min(self.left() / SURE_PART_OF_BUDGET / of_loop)
+            .min(self.left() / DIVISOR_OF_SURE_BUDGET / of_loop)
     }
 
     /// The same if the budget were large enough.
@@ -158,7 +158,7 @@ impl Runner<'_> {
         &self,
         subject: Subject<'_>,
         given: &GivenLoop<'_>,
-        other: &LoopToTry,
+        other: &LoopCandidate,
     ) -> Result<Option<FourierLoop>, Error> {
         let seed = self.diagnostic.seed.wrapping_add(other.index as u64);
         let coordinates = subject.coordinates();
@@ -170,7 +170,7 @@ impl Runner<'_> {
         &mut self,
         subject: Subject<'_>,
         given: &GivenLoop<'_>,
-        other: &LoopToTry,
+        other: &LoopCandidate,
     ) -> Result<bool, Error> {
         // A loop that cannot be resolved as the given one was does not count as evidence.
         let least = if self.plan.is_tight() { given.cost } else { 0 };
@@ -244,7 +244,7 @@ impl Runner<'_> {
                 .seed
                 .wrapping_add(self.diagnostic.loops as u64),
         );
-        let winding = LoopToTry {
+        let winding = LoopCandidate {
             index,
             kind: LoopKind::Winding,
             group: None,
@@ -271,7 +271,7 @@ impl Runner<'_> {
             evaluator: subject.evaluator,
             h: self.largest,
         };
-        let of_image = LoopToTry {
+        let of_image = LoopCandidate {
             index: self
                 .evidence
                 .loops
@@ -326,7 +326,7 @@ impl Runner<'_> {
     /// A random loop at the largest step size; at all if it shows a defect and none did before.
     fn random_loop(
         &mut self,
-        other: &LoopToTry,
+        other: &LoopCandidate,
         subject: Subject<'_>,
         known: bool,
     ) -> Result<(), Error> {
@@ -363,7 +363,7 @@ impl Runner<'_> {
     }
 
     /// A loop on which the map failed.
-    fn failed(&mut self, other: &LoopToTry, error: &Error) {
+    fn failed(&mut self, other: &LoopCandidate, error: &Error) {
         // It may have been recorded at some step sizes before the map failed at another.
         (self.evidence.loops).retain(|found| found.index != other.index);
         let mut found = other.evidence();

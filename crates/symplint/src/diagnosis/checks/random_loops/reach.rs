@@ -11,7 +11,7 @@ use crate::error::Error;
 use crate::evidence::{LoopEvidence, LoopKind, Motion, Reach};
 use crate::map::LoopSize;
 use crate::rules::Subject;
-use crate::signal::MAX_ROUNDING_INSIDE;
+use crate::signal::MAX_RELATIVE_ROUNDING_INSIDE;
 
 impl Runner<'_> {
     /// A random loop after a larger step, or a larger loop for a map without a step size, if no loop shows a defect or moves
@@ -54,7 +54,7 @@ impl Runner<'_> {
         motion: Motion,
     ) -> Result<Option<Reach>, Error> {
         let octaves = match motion.shear {
-            true if motion.deformation < MAX_ROUNDING_INSIDE => return Ok(None),
+            true if motion.deformation < MAX_RELATIVE_ROUNDING_INSIDE => return Ok(None),
             true => -motion.deformation.log2().ceil(),
             false => 0.0,
         };
