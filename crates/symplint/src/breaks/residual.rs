@@ -166,22 +166,19 @@ fn most(values: &[f64; GROUP]) -> f64 {
 /// Whether a cell of a row that does not wind may look discontinuous: its residual stands out of rounding, and is not smaller than
 /// those of the double cells around it, as [`find_jumps`](super::find_jumps) has it. Residuals below `floor` are rounding.
 pub(super) fn may_jump(row: &[f64], floor: f64) -> bool {
-    let taken = row.len().saturating_sub(REACH_OF_WIDE_CELLS) / GROUP;
-    if any_may_jump(
-        &row[..(taken * GROUP + REACH_OF_WIDE_CELLS).min(row.len())],
-        floor,
-    ) {
+    let taken = row.len().saturating_sub(WIDE_REACH) / GROUP;
+    if any_may_jump(&row[..(taken * GROUP + WIDE_REACH).min(row.len())], floor) {
         return true;
     }
     // The others go round the end of the row.
-    const ENDS: usize = 3 * GROUP + REACH_OF_WIDE_CELLS;
+    const ENDS: usize = 3 * GROUP + WIDE_REACH;
     let ends: [f64; ENDS] = round_end(row, taken * GROUP, 0.0);
     let others = (row.len() - taken * GROUP).div_ceil(GROUP);
-    any_may_jump(&ends[..others * GROUP + REACH_OF_WIDE_CELLS], floor)
+    any_may_jump(&ends[..others * GROUP + WIDE_REACH], floor)
 }
 
 /// Samples before those of a group that the double cells around its cells reach, and after them.
-const REACH_OF_WIDE_CELLS: usize = 13;
+const WIDE_REACH: usize = 13;
 
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx2", "x86_64+avx2"))]
 fn any_may_jump(row: &[f64], floor: f64) -> bool {
@@ -189,8 +186,8 @@ fn any_may_jump(row: &[f64], floor: f64) -> bool {
     const WIDE_CELLS: usize = GROUP + 4;
     // What residuals differ by that are rounded in another order is less than half of the floor.
     let slack = 0.5 * floor;
-    for window in row.windows(GROUP + REACH_OF_WIDE_CELLS).step_by(GROUP) {
-        let Some(x) = window.first_chunk::<{ GROUP + REACH_OF_WIDE_CELLS }>() else {
+    for window in row.windows(GROUP + WIDE_REACH).step_by(GROUP) {
+        let Some(x) = window.first_chunk::<{ GROUP + WIDE_REACH }>() else {
             return true;
         };
         let (mut narrow, mut wide) = ([0.0; GROUP], [0.0; WIDE_CELLS]);
@@ -251,7 +248,7 @@ pub(crate) fn rounding(rounding_error: f64) -> f64 {
 }
 
 /// Increments on either side that predict that of a cell.
-pub(super) const NEIGHBOURING_INCREMENTS: usize = 2;
+pub(super) const NEIGHBOURS: usize = 2;
 
 /// The step from x_2 to x_3 that the values of polynomials up to the fourth degree do not explain.
 #[inline(always)]
@@ -266,7 +263,7 @@ pub(super) fn of_cell(increments: &[f64], first: usize, width: usize) -> f64 {
 
 /// The residuals of `count` cells that consist of `width` cells from `first` on, from `first` + 1 on, and so forth.
 pub(super) fn of_cells(increments: &[f64], first: usize, count: usize, width: usize) -> Vec<f64> {
-    let reach = NEIGHBOURING_INCREMENTS * width;
+    let reach = NEIGHBOURS * width;
     let n = increments.len();
     let start = (first + reach * n - reach) % n;
     // With what they need beyond the ends, so that nothing is wrapped for a cell.

@@ -9,7 +9,7 @@ use super::limits::{
     MAX_FLAGGED_PART, MAX_MISMATCH_OF_SIZES, MAX_RESOLVED_RESIDUAL, MIN_CELLS_BETWEEN_JUMPS,
     MIN_NARROW_OVER_WIDE, MIN_OUTLIER_DEVIATIONS,
 };
-use super::residual::{NEIGHBOURING_INCREMENTS, noise, of_cell, of_cells};
+use super::residual::{NEIGHBOURS, noise, of_cell, of_cells};
 
 /// A cell in which a coordinate jumps, as far as samples can tell.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -89,7 +89,7 @@ impl Search<'_> {
     fn flag(&mut self, [narrow, wide]: &[Vec<f64>; 2]) -> bool {
         let n = self.filled.len();
         let noise = noise(narrow);
-        let reach = NEIGHBOURING_INCREMENTS + 1;
+        let reach = NEIGHBOURS + 1;
         let is_jump = |k: usize| {
             let residual = narrow[k];
             // The fewest samples are 3, and the reach is 3.
@@ -119,7 +119,7 @@ impl Search<'_> {
             self.filled[k] = left + share * (right - left);
         }
         for k in (0..n).filter(|&k| self.flagged[k]) {
-            if self.is_alone(k, NEIGHBOURING_INCREMENTS) {
+            if self.is_alone(k, NEIGHBOURS) {
                 self.filled[k] -= of_cell(&self.filled, k, 1);
             }
         }

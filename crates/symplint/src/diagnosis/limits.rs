@@ -24,7 +24,7 @@ pub(super) const SAMPLES_OF_ROUNDING_TEST: usize = 256;
 
 /// Samples from which doubling begins where a map rounds. Derived: with eight step sizes and seven random loops they take
 /// less than 50,000 evaluations; more gain a digit for each hundredfold.
-pub(super) const MAX_FIRST_SAMPLES_OF_ROUNDED_MAP: f64 = 2048.0;
+pub(super) const MAX_ROUNDED_SAMPLES: f64 = 2048.0;
 
 /// The blocks of a defect may take one in this number of the evaluations made so far. Conventional: they name its cause.
 pub(super) const DIVISOR_OF_BLOCKS: usize = 2;
@@ -72,10 +72,10 @@ pub(super) const BUDGET_PER_WITNESS: usize = 250;
 pub(super) const DIVISOR_OF_JACOBIAN: usize = 5;
 
 /// Evaluations that the Jacobian may take in a small budget: two points in two degrees of freedom. Conventional.
-pub(super) const MAX_JACOBIAN_EVALUATIONS_OF_SMALL_BUDGET: usize = 200;
+pub(super) const MAX_SMALL_JACOBIAN: usize = 200;
 
-/// The same for a budget of which this part is more than [`MAX_JACOBIAN_EVALUATIONS_OF_SMALL_BUDGET`].
-pub(super) const DIVISOR_OF_JACOBIAN_IN_LARGE_BUDGET: usize = 20;
+/// The same for a budget of which this part is more than [`MAX_SMALL_JACOBIAN`].
+pub(super) const DIVISOR_OF_LARGE_JACOBIAN: usize = 20;
 
 /// The test of steps back may take one in this number of evaluations of a budget if the user did not ask for it: smaller budgets leave
 /// it out.
@@ -93,7 +93,7 @@ pub(super) const EVALUATIONS_OF_CONTRACTION: usize = 6_000;
 pub(super) const MAX_JACOBIAN_COORDINATES: usize = 1 << 19;
 
 /// Evaluations that the Jacobian may take in any number of degrees of freedom: some pairs at two points.
-pub(super) const MAX_JACOBIAN_EVALUATIONS_OF_MANY_DOF: usize = 400;
+pub(super) const MAX_LARGE_JACOBIAN: usize = 400;
 
 /// The tolerance of the piecewise rule in a tight budget: integrals to about nine digits for fewer evaluations.
 /// Calibrated on the test `cubic_particles_are_symplectic_to_eight_digits_on_a_budget` in `symplint-cli`.
@@ -150,10 +150,10 @@ pub(super) const MAX_NOISE: f64 = 1e-5;
 
 /// A feature exceeds the median along the loop by this factor: the largest of 65,536 normally distributed values exceeds it by
 /// less than 7, and rounding, whose unit changes by factors of two along the loop, by as much again.
-pub(super) const MIN_FEATURE_OVER_MEDIAN: f64 = 32.0;
+pub(super) const MIN_OVER_MEDIAN: f64 = 32.0;
 
 /// A feature exceeds the rounding of its coordinate by this factor.
-pub(super) const MIN_FEATURE_OVER_ROUNDING: f64 = 256.0;
+pub(super) const MIN_OVER_ROUNDING: f64 = 256.0;
 
 /// Features at which the Jacobian is tested, those of different loops first. Conventional.
 pub(super) const MAX_FEATURES: usize = 3;
@@ -164,7 +164,7 @@ pub(super) const DISPLACEMENT_AT_FEATURE: f64 = 1e-3;
 
 /// One in this number of the samples that resolve a loop shows where it is roughest after a step: rounding does not hide their upper
 /// modes yet.
-pub(super) const DIVISOR_OF_ROUGHNESS_SAMPLES: usize = 4;
+pub(super) const DIVISOR_OF_ROUGHNESS: usize = 4;
 
 /// Distance of states that share a feature with one of them: far below the width of a feature that matters, and so small that the
 /// curvature of the loop, (2π)² of the square, is below 1e-12.
@@ -183,7 +183,7 @@ pub(super) const FACTOR_OF_TWO_DOUBLINGS: f64 = 4.0;
 
 /// Neighbours that a step of a continuous map moves apart by more than this factor are at a break, which pieces find:
 /// it needs no more samples. Calibrated: the steepest of the plasmas has 8.1.
-pub(super) const MAX_STRETCH_WITHOUT_BREAK: f64 = 12.0;
+pub(super) const MAX_STRETCH: f64 = 12.0;
 
 /// A budget in which pieces resolve a loop with kinks or steep slopes, and the Jacobian and random loops have their
 /// parts. Calibrated: one loop takes up to 900 evaluations.
@@ -198,7 +198,7 @@ pub(super) const MAX_ERROR_OVER_DEFECT: f64 = 0.1;
 pub(super) const MAX_SUFFICIENT_ERROR: f64 = 1e-12;
 
 /// A loop folds: what one step resolves, many do not. Samples of a loop of one degree of freedom at least.
-pub(super) const MIN_SAMPLES_OF_FOLDED_LOOP: usize = 1 << 13;
+pub(super) const MIN_FOLDED_SAMPLES: usize = 1 << 13;
 
 // Memory.
 
@@ -247,4 +247,4 @@ pub(super) const FACTOR_OF_LARGER_LOOPS: f64 = 4.0;
 pub(super) const MAX_LARGER_LOOPS: usize = 3;
 
 /// A larger step that breaks its loop is halved at most this number of times. Conventional: from a radian to a thirtieth of one.
-pub(super) const MAX_HALVINGS_OF_LARGER_STEP: usize = 6;
+pub(super) const MAX_HALVINGS: usize = 6;

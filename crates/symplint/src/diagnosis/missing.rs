@@ -8,8 +8,8 @@
 use super::checks::constraint::singular_cost;
 use super::checks::memory::cost_again;
 use super::limits::{
-    DIVISOR_OF_DOMAIN, EVALUATIONS_OF_CONTRACTION, FACTOR_OF_TWO_DOUBLINGS,
-    MAX_STRETCH_WITHOUT_BREAK, MIN_BUDGET_OF_PIECES, SLOPE_MARGINS,
+    DIVISOR_OF_DOMAIN, EVALUATIONS_OF_CONTRACTION, FACTOR_OF_TWO_DOUBLINGS, MAX_STRETCH,
+    MIN_BUDGET_OF_PIECES, SLOPE_MARGINS,
 };
 use super::plan::Plan;
 use super::{Diagnostic, SampleCount};
@@ -136,7 +136,7 @@ fn resolving(
     // Pieces that resolve a step would have found its breaks.
     if !step.is_bounded() {
         let before = Ensemble::sample(subject.phase_loop, found.samples)?;
-        apart = apart.min(MAX_STRETCH_WITHOUT_BREAK * cells_apart(&before, subject.coordinates()));
+        apart = apart.min(MAX_STRETCH * cells_apart(&before, subject.coordinates()));
     }
     let finer = (apart / MAX_CELLS_BETWEEN_SAMPLES)
         .ceil()

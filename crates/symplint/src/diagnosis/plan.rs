@@ -2,11 +2,10 @@
 
 use super::limits::{
     BUDGET_PER_WITNESS, DEFAULT_BUDGET, DIVISOR_OF_DOMAIN, DIVISOR_OF_FIRST_SAMPLES,
-    DIVISOR_OF_GIVEN_SAMPLES, DIVISOR_OF_JACOBIAN, DIVISOR_OF_JACOBIAN_IN_LARGE_BUDGET,
+    DIVISOR_OF_GIVEN_SAMPLES, DIVISOR_OF_JACOBIAN, DIVISOR_OF_LARGE_JACOBIAN,
     DIVISOR_OF_TIGHT_SAMPLES, EVALUATIONS_OF_CONTRACTION, FINE_SAMPLES, MAX_BYTES,
-    MAX_JACOBIAN_COORDINATES, MAX_JACOBIAN_EVALUATIONS_OF_MANY_DOF,
-    MAX_JACOBIAN_EVALUATIONS_OF_SMALL_BUDGET, MAX_WITNESSES, MIN_SAMPLES_OF_FOLDED_LOOP,
-    PURITY_SAMPLES, TIGHT_BUDGET, TIGHT_TOLERANCE,
+    MAX_JACOBIAN_COORDINATES, MAX_LARGE_JACOBIAN, MAX_SMALL_JACOBIAN, MAX_WITNESSES,
+    MIN_FOLDED_SAMPLES, PURITY_SAMPLES, TIGHT_BUDGET, TIGHT_TOLERANCE,
 };
 use super::{Diagnostic, SampleCount};
 use crate::evidence::MIN_SAMPLES_OF_SHAPE;
@@ -23,8 +22,8 @@ pub(super) fn default_budget(diagnostic: &Diagnostic) -> usize {
         SampleCount::Auto => 0,
     };
     let of_each_step = match diagnostic.samples {
-        SampleCount::Fixed(samples) => samples.max(MIN_SAMPLES_OF_FOLDED_LOOP),
-        SampleCount::Auto => MIN_SAMPLES_OF_FOLDED_LOOP,
+        SampleCount::Fixed(samples) => samples.max(MIN_FOLDED_SAMPLES),
+        SampleCount::Auto => MIN_FOLDED_SAMPLES,
     };
     let of_long_time = diagnostic.long_time.saturating_mul(of_each_step);
     let of_sweep = (diagnostic.sample_sweep.iter()).flat_map(|sweep| &sweep.counts);
@@ -83,10 +82,8 @@ impl Plan {
             jacobian: match diagnostic.jacobian {
                 true => {
                     let all = JacobianTest::default().evaluations(dof, evaluator.has_tangent());
-                    let most = (MAX_JACOBIAN_COORDINATES / dof.max(1))
-                        .max(MAX_JACOBIAN_EVALUATIONS_OF_MANY_DOF);
-                    let part = MAX_JACOBIAN_EVALUATIONS_OF_SMALL_BUDGET
-                        .max(budget / DIVISOR_OF_JACOBIAN_IN_LARGE_BUDGET);
+                    let most = (MAX_JACOBIAN_COORDINATES / dof.max(1)).max(MAX_LARGE_JACOBIAN);
+                    let part = MAX_SMALL_JACOBIAN.max(budget / DIVISOR_OF_LARGE_JACOBIAN);
                     all.min(most).min(budget / DIVISOR_OF_JACOBIAN).min(part)
                 }
                 false => 0,

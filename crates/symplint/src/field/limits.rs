@@ -25,7 +25,7 @@ pub(super) const FIRST_SAMPLES: usize = 32;
 pub(super) const FIRST_SAMPLES_OF_PAIR: usize = 16;
 
 /// Samples of a contractible loop of one position at most: its integral is zero for every force. Conventional.
-pub(super) const MAX_SAMPLES_OF_ONE_POSITION: usize = 256;
+pub(super) const MAX_ONE_POSITION_SAMPLES: usize = 256;
 
 /// Samples of a small ellipse at most.
 pub(super) const MAX_SAMPLES_OF_PAIR: usize = 128;
@@ -91,22 +91,22 @@ pub(super) const MAX_CURL_OVER_JUMPS: f64 = 32.0;
 
 /// Loops on which the jumps of a solver are searched, in units of the widest loop. Calibrated: in the truth set one of 400 solvers shows no
 /// jump on any of them.
-pub(super) const FACTORS_OF_SOLVER_LOOPS: [f64; 3] = [8.0, 32.0, 2.0];
+pub(super) const SOLVER_FACTORS: [f64; 3] = [8.0, 32.0, 2.0];
 
 /// The number of these loops that must be measured; each has to be resolved, or to have all samples.
 pub(super) const MIN_SOLVER_LOOPS: usize = 2;
 
 /// Samples of each of them at most. Conventional.
-pub(super) const MAX_SAMPLES_OF_SOLVER_LOOP: usize = 2048;
+pub(super) const MAX_SOLVER_SAMPLES: usize = 2048;
 
 /// Evaluations of each of them at least. Derived: two doublings of the first samples show the decay of jumps.
-pub(super) const MIN_EVALUATIONS_OF_SOLVER_LOOP: usize = 4 * FIRST_SAMPLES;
+pub(super) const MIN_SOLVER_EVALUATIONS: usize = 4 * FIRST_SAMPLES;
 
 /// Steps of the bisection of a jump: down to 2^-40 of a sample's distance.
 pub(super) const BISECTIONS: usize = 40;
 
 /// Loops show the rate of damping if each is known to this part of itself. Conventional.
-pub(super) const MAX_RELATIVE_ERROR_OF_RATE: f64 = 0.01;
+pub(super) const MAX_RATE_ERROR: f64 = 0.01;
 
 /// Numbers in the states that are evaluated in one call: 64 MiB.
 pub(super) const MAX_VALUES_PER_CALL: usize = 1 << 23;

@@ -3,9 +3,9 @@
 use super::evidence::{FieldEvidence, FieldKind, LoopKind, LoopWork, OmittedPart};
 use super::integrand::Integrand;
 use super::limits::{
-    EVALUATIONS_PER_LOOP, FACTORS_OF_SOLVER_LOOPS, FIRST_SAMPLES, FIRST_SAMPLES_OF_PAIR,
-    MAX_RELATIVE_ERROR_OF_RATE, MAX_SAMPLES_OF_ONE_POSITION, MAX_SAMPLES_OF_SOLVER_LOOP,
-    MAX_WINDING_LOOPS, MIN_EVALUATIONS_OF_SOLVER_LOOP, MIN_SOLVER_LOOPS, RANDOM_PAIRS,
+    EVALUATIONS_PER_LOOP, FIRST_SAMPLES, FIRST_SAMPLES_OF_PAIR, MAX_ONE_POSITION_SAMPLES,
+    MAX_RATE_ERROR, MAX_SOLVER_SAMPLES, MAX_WINDING_LOOPS, MIN_SOLVER_EVALUATIONS,
+    MIN_SOLVER_LOOPS, RANDOM_PAIRS, SOLVER_FACTORS,
 };
 use super::noise;
 use super::pairs::Pairs;
@@ -148,7 +148,7 @@ impl Measurement<'_> {
         // Of one position nothing depends on the integrals of loops that can be contracted.
         let is_one = self.integrand.kind == FieldKind::Force && self.integrand.moving() == 1;
         let samples = if is_one {
-            MAX_SAMPLES_OF_ONE_POSITION
+            MAX_ONE_POSITION_SAMPLES
         } else {
             MAX_SAMPLES_OF_DOUBLING
         };
@@ -219,14 +219,14 @@ impl Measurement<'_> {
         evidence: &mut FieldEvidence,
     ) -> Result<(), Error> {
         let (mut searched, mut shows_jumps) = (0, true);
-        for (k, factor) in FACTORS_OF_SOLVER_LOOPS.into_iter().enumerate() {
-            if self.left() < MIN_EVALUATIONS_OF_SOLVER_LOOP || evidence.jumps() > 0.0 {
+        for (k, factor) in SOLVER_FACTORS.into_iter().enumerate() {
+            if self.left() < MIN_SOLVER_EVALUATIONS || evidence.jumps() > 0.0 {
                 break;
             }
-            let share = self.left() / (FACTORS_OF_SOLVER_LOOPS.len() - k);
+            let share = self.left() / (SOLVER_FACTORS.len() - k);
             let limits = Limits {
-                samples: MAX_SAMPLES_OF_SOLVER_LOOP,
-                evaluations: share.max(MIN_EVALUATIONS_OF_SOLVER_LOOP) - FIRST_SAMPLES,
+                samples: MAX_SOLVER_SAMPLES,
+                evaluations: share.max(MIN_SOLVER_EVALUATIONS) - FIRST_SAMPLES,
                 confirms: false,
             };
             let phase_loop = self.random(first + k, factor * self.wide)?;
@@ -237,7 +237,7 @@ impl Measurement<'_> {
                 found => found?,
             };
             // Jumps of a loop that is resolved would show.
-            shows_jumps &= work.is_resolved || work.samples >= MAX_SAMPLES_OF_SOLVER_LOOP;
+            shows_jumps &= work.is_resolved || work.samples >= MAX_SOLVER_SAMPLES;
             searched += 1;
             evidence.is_searched = shows_jumps && searched >= MIN_SOLVER_LOOPS;
             evidence.loops.push(work);
@@ -286,8 +286,7 @@ fn damping(evidence: &FieldEvidence) -> Option<(f64, f64)> {
         .collect();
     let (rate, error) = rates.iter().copied().min_by(|a, b| a.1.total_cmp(&b.1))?;
     let agree = |other: &(f64, f64)| {
-        (other.0 - rate).abs() <= 2.0 * (other.1 + error)
-            && other.1 <= MAX_RELATIVE_ERROR_OF_RATE * rate.abs()
+        (other.0 - rate).abs() <= 2.0 * (other.1 + error) && other.1 <= MAX_RATE_ERROR * rate.abs()
     };
     (rates.len() > 1 && rates.iter().all(agree)).then_some((rate, error))
 }

@@ -6,17 +6,17 @@ use crate::signal::{Extent, nearest, parameters};
 use crate::state::{Coordinates, Ensemble, coordinate, period};
 
 /// A part of the loop on which it hardly moves: around its end, a loop of a few modes moves by 1e-8 of its size.
-const STEP_BESIDE_END: f64 = 1.0 / (1 << 30) as f64;
+const END_STEP: f64 = 1.0 / (1 << 30) as f64;
 
 /// Steps of this length on either side of the end.
-const STEPS_BESIDE_END: usize = 3;
+const END_STEPS: usize = 3;
 
 /// From its last point to its first a loop moves as it does on one of the two sides, or between them at a corner. It has a
 /// gap if it moves otherwise, by this many times the difference between the steps of one side.
 const MIN_GAP_OVER_STEPS: f64 = 64.0;
 
 /// Rounding of the loop's own arithmetic, in units in the last place. Jumps of less are no breaks either.
-const MAX_ROUNDINGS_OF_LOOP: f64 = 1024.0;
+const MAX_ROUNDINGS: f64 = 1024.0;
 
 /// Checks that the same parameters give the same states, in any order.
 fn check_repeats(phase_loop: &dyn Loop, coordinates: &Coordinates) -> Result<(), Error> {
@@ -37,7 +37,7 @@ fn check_repeats(phase_loop: &dyn Loop, coordinates: &Coordinates) -> Result<(),
         let rounding = f64::from(f32::EPSILON) * Extent::of(first).magnitude();
         for (k, &s) in parameters.iter().enumerate() {
             let difference = nearest(again[last - k] - first[k], period(coordinates, c)).abs();
-            if difference > MAX_ROUNDINGS_OF_LOOP * rounding {
+            if difference > MAX_ROUNDINGS * rounding {
                 return Err(Error::RandomLoop {
                     s,
                     coordinate: if c < dof { 'q' } else { 'p' },
@@ -57,10 +57,10 @@ fn check_repeats(phase_loop: &dyn Loop, coordinates: &Coordinates) -> Result<(),
 /// samples the loop.
 pub(crate) fn check_closed(phase_loop: &dyn Loop, coordinates: &Coordinates) -> Result<(), Error> {
     check_repeats(phase_loop, coordinates)?;
-    let s: Vec<f64> = (1..=STEPS_BESIDE_END + 1)
+    let s: Vec<f64> = (1..=END_STEPS + 1)
         .rev()
-        .map(|k| 1.0 - k as f64 * STEP_BESIDE_END)
-        .chain((0..=STEPS_BESIDE_END).map(|k| k as f64 * STEP_BESIDE_END))
+        .map(|k| 1.0 - k as f64 * END_STEP)
+        .chain((0..=END_STEPS).map(|k| k as f64 * END_STEP))
         .collect();
     let mut states = Ensemble::zeros(phase_loop.dof(), s.len());
     phase_loop.sample(&s, &mut states.block());
@@ -71,9 +71,9 @@ pub(crate) fn check_closed(phase_loop: &dyn Loop, coordinates: &Coordinates) -> 
             .map(|pair| nearest(pair[1] - pair[0], period(coordinates, c)))
             .collect();
         let (before, gap, after) = (
-            &steps[..STEPS_BESIDE_END],
-            steps[STEPS_BESIDE_END],
-            &steps[STEPS_BESIDE_END + 1..],
+            &steps[..END_STEPS],
+            steps[END_STEPS],
+            &steps[END_STEPS + 1..],
         );
         let [before, after] = [before, after].map(Extent::of);
         let magnitude = row.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
@@ -83,7 +83,7 @@ pub(crate) fn check_closed(phase_loop: &dyn Loop, coordinates: &Coordinates) -> 
             false => f64::EPSILON,
         };
         let allowed = MIN_GAP_OVER_STEPS * before.length().max(after.length())
-            + MAX_ROUNDINGS_OF_LOOP * rounding * magnitude;
+            + MAX_ROUNDINGS * rounding * magnitude;
         let mut beside = before;
         beside.include(after.middle() - 0.5 * after.length());
         beside.include(after.middle() + 0.5 * after.length());

@@ -12,13 +12,13 @@ const MAX_DOF: usize = 1 << 16;
 
 /// Values are few if each is the value of this number of samples, or more. On a circle two samples have each value; where it
 /// runs twice round, four have, but at its ends.
-const MIN_SAMPLES_OF_VALUE: usize = 4;
+const MIN_VALUE_SAMPLES: usize = 4;
 
 /// Increments of a straight line differ by this number of roundings of its largest value.
-const MAX_ROUNDINGS_OF_LINE: f64 = 8.0;
+const MAX_LINE_ROUNDINGS: f64 = 8.0;
 
 /// A jump of no more than this many grains may be rounding: each of several operations of a step rounds.
-const MAX_GRAINS_OF_ROUNDING: f64 = 16.0;
+const MAX_GRAINS: f64 = 16.0;
 
 /// Integrals of a circle in stairs are off by a quarter of this many times a stair, times the root of a stair over the
 /// circle's width, on the average.
@@ -204,7 +204,7 @@ impl Grain {
             return false;
         }
         let of_others = self.sizes[c].min(MAX_ROUNDING_OF_OTHERS * self.ranges[c]);
-        jump.abs() > MAX_GRAINS_OF_ROUNDING * self.units[c].max(of_others)
+        jump.abs() > MAX_GRAINS * self.units[c].max(of_others)
     }
 }
 
@@ -224,14 +224,13 @@ impl CoordinateGrain {
         // Equispaced samples of a straight line are at equal distances, and not rounded.
         let mut increments = Extent::default();
         (unwrapped.windows(2)).for_each(|x| increments.include(x[1] - x[0]));
-        let is_line =
-            increments.length() <= MAX_ROUNDINGS_OF_LINE * f64::EPSILON * extent.magnitude();
+        let is_line = increments.length() <= MAX_LINE_ROUNDINGS * f64::EPSILON * extent.magnitude();
         let spacing = levels.spacing().filter(|_| !is_line);
         let unit = of_digits.into_iter().chain(spacing);
         CoordinateGrain {
             unit: unit.fold(0.0, f64::max),
             range: extent.length(),
-            few: Some(levels.count()).filter(|count| MIN_SAMPLES_OF_VALUE * count <= values.len()),
+            few: Some(levels.count()).filter(|count| MIN_VALUE_SAMPLES * count <= values.len()),
             least: levels.least_difference(),
             magnitude: extent.magnitude(),
         }

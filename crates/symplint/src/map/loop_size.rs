@@ -10,7 +10,7 @@ use crate::state::{Block, Coordinates, Ensemble, coordinate, coordinate_mut, per
 
 /// Repetitions of the balance of q against p: a ratio that is off by 2^60 where forces are bounded is off by a factor
 /// of 1.3 then, and no more are needed where they are linear.
-const REPETITIONS_OF_BALANCE: usize = 4;
+const BALANCE_ROUNDS: usize = 4;
 
 /// Displacements that tell the ratio, in units of the radii: small, as forces that fall off would make radii that are
 /// too large still larger; and not so small that the rounding of single precision shows.
@@ -28,7 +28,7 @@ const MAX_RATIO_IN_GROUP: f64 = 1e3;
 const MAX_GROUPS: usize = 32;
 
 /// The motion on which a centre lies may be this many times as large as what a step shows of it.
-const MAX_CENTRE_OVER_MOTION: f64 = 2.0;
+const MAX_OVER_MOTION: f64 = 2.0;
 
 /// A state this much smaller than others is what rounding leaves of zero.
 const MAX_ROUNDED_ZERO: f64 = 1e-14;
@@ -257,7 +257,7 @@ impl LoopSize {
         let mut ratios = self.first_ratios(&displaced, motion.as_ref());
         // Advanced by a radian in a step, until it is known.
         let mut squared_advances = vec![1.0; open.len()];
-        for repetition in 0..=REPETITIONS_OF_BALANCE {
+        for repetition in 0..=BALANCE_ROUNDS {
             let of_centres = (open.iter().zip(&ratios).enumerate())
                 .map(|(k, (&i, &ratio))| {
                     let moved = motion.as_ref().map(|[q, p]| [q[k], p[k]]);
@@ -266,7 +266,7 @@ impl LoopSize {
                 })
                 .collect();
             self.take(&given, open, &ratios, of_centres, action, coordinates);
-            if repetition == REPETITIONS_OF_BALANCE {
+            if repetition == BALANCE_ROUNDS {
                 break;
             }
             // If the map fails next to the loop, what is known has to be enough.
@@ -298,8 +298,7 @@ impl LoopSize {
             period => squared(period / TAU, self.centre[1][i]),
         };
         let of_motion = moved.map(|[q, p]| squared(q, p) / squared_advance);
-        let within =
-            of_motion.map(|squared| MAX_CENTRE_OVER_MOTION * MAX_CENTRE_OVER_MOTION * squared);
+        let within = of_motion.map(|squared| MAX_OVER_MOTION * MAX_OVER_MOTION * squared);
         let smaller =
             within.filter(|&within| within > MAX_ROUNDED_ZERO * of_origin && within < of_origin);
         PART_OF_CENTRE * PART_OF_CENTRE * smaller.unwrap_or(of_origin)

@@ -26,7 +26,7 @@ const MIN_GAIN: f64 = 100.0;
 const MAX_RELATIVE_ERROR: f64 = 0.01;
 
 /// Below this error, relative to the integral, equal spacing is not questioned. Conventional: three digits less than the weakest bound.
-const MAX_ERROR_OF_EQUAL_SPACING: f64 = 1e-9;
+const MAX_SPACING_ERROR: f64 = 1e-9;
 
 /// A jump between unequally spaced rows exceeds every increment around it, each as steep as the steepest and as wide as the widest, by
 /// this factor. Conventional.
@@ -36,7 +36,7 @@ const MIN_JUMP_OVER_SPACING: f64 = 4.0;
 const CELLS_BESIDE_JUMP: usize = 10;
 
 /// Gains round a loop that differ by less than this part are one: they are whole numbers of periods, to round-off.
-const MAX_DIFFERENCE_OF_GAINS: f64 = 1e-9;
+const MAX_GAIN_SPREAD: f64 = 1e-9;
 
 /// The loop before the step.
 pub(super) struct InitialLoop<'a> {
@@ -284,8 +284,8 @@ impl<'a> InitialLoop<'a> {
     fn look_at_spacing(&mut self, rows: &[Row]) -> Result<(), Error> {
         let states = &self.snapshot.states;
         let error = self.integral.quadrature_error.unwrap_or(f64::INFINITY);
-        let is_exact = self.broken.is_none()
-            && error <= MAX_ERROR_OF_EQUAL_SPACING * self.integral.value.abs();
+        let is_exact =
+            self.broken.is_none() && error <= MAX_SPACING_ERROR * self.integral.value.abs();
         if is_exact || states.samples() < MIN_SAMPLES_OF_SHAPE {
             return Ok(());
         }
@@ -385,7 +385,7 @@ impl<'a> InitialLoop<'a> {
         // No continuous map changes how often a loop winds.
         let winds = |(row, before): (&Row, &f64)| {
             let change = (row.increments[0].gain - before).abs();
-            change > MAX_DIFFERENCE_OF_GAINS * before.abs().max(row.increments[0].gain.abs())
+            change > MAX_GAIN_SPREAD * before.abs().max(row.increments[0].gain.abs())
         };
         if rows.iter().zip(&self.windings).any(winds) {
             compared.integral.quadrature_error = None;

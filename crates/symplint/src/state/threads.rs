@@ -20,22 +20,20 @@ pub(crate) fn in_parallel<T: Send, R: Send>(
     if items.len() <= together {
         return items.into_iter().map(each).collect();
     }
-    const UNPOISONED: &str = "nothing panics under the lock";
-    let results: Vec<Mutex<Option<R>>> = items.iter().map(|_| Mutex::new(None)).collect();
-    let items: Vec<Mutex<Option<T>>> = (items.into_iter())
-        .map(|item| Mutex::new(Some(item)))
+    let slots: Vec<Mutex<(Option<T>, Option<R>)>> = (items.into_iter())
+        .map(|item| Mutex::new((Some(item), None)))
         .collect();
-    share(items.len(), together, &|k| {
-        let item = items[k].lock().expect(UNPOISONED).take();
-        let result = each(item.expect("each item is taken once"));
-        *results[k].lock().expect(UNPOISONED) = Some(result);
+    share(slots.len(), together, &|k| {
+        let slot = || slots[k].lock().expect("nothing panics under the lock");
+        let item = slot().0.take().expect("each item is taken once");
+        let result = each(item);
+        slot().1 = Some(result);
     });
-    let results = results
-        .into_iter()
-        .map(|result| result.into_inner().expect(UNPOISONED));
+    let result = |slot: Mutex<(_, Option<R>)>| slot.into_inner().ok()?.1;
+    let results = slots.into_iter().map(result);
     results
-        .map(|result| result.expect("every item has a result"))
-        .collect()
+        .collect::<Option<_>>()
+        .expect("every item has a result")
 }
 
 /// The same for items that are worth a thread each, such as blocks of states for a map.

@@ -5,7 +5,7 @@ use crate::signal::{Extent, MAX_RELATIVE_ROUNDING_INSIDE, Turns, UNIT_ROUNDOFF};
 use crate::state::{Coordinates, Ensemble};
 
 /// Changes of a coordinate that differ by no more than this many units in the last place of its values are the same.
-const MAX_ROUNDINGS_OF_SAME_CHANGE: f64 = 8.0;
+const MAX_ROUNDINGS: f64 = 8.0;
 
 /// The mean squared difference of neighbouring changes over their variance, at least, if they scatter as rounding does.
 /// Derived: it is 2 for independent numbers (von Neumann, Ann. Math. Stat. 12, 1941), and (2πm/N)² for mode m of N samples.
@@ -163,8 +163,7 @@ impl Plane {
 
     /// Whether a coordinate of all samples changes by the same, to rounding.
     fn keeps_shape(&self, c: usize) -> bool {
-        self.of_changes.extents[c].length()
-            <= MAX_ROUNDINGS_OF_SAME_CHANGE * UNIT_ROUNDOFF * self.largest(c)
+        self.of_changes.extents[c].length() <= MAX_ROUNDINGS * UNIT_ROUNDOFF * self.largest(c)
     }
 
     /// A bound on the values of a coordinate, before and after the step.

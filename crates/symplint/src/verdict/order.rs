@@ -53,11 +53,11 @@ impl Fit {
 }
 
 /// Resolution of exponents.
-const RESOLUTION_OF_EXPONENTS: f64 = 0.01;
+const EXPONENT_STEP: f64 = 0.01;
 
 /// Step sizes whose ratios differ by less than this part are a geometric sequence. Conventional: step sizes are often
 /// rounded to a few digits.
-const MAX_DIFFERENCE_OF_RATIOS: f64 = 1e-3;
+const MAX_RATIO_SPREAD: f64 = 1e-3;
 
 /// One point of the fit: |h|, the signed defect, its uncertainty.
 pub(super) type Datum = (f64, f64, f64);
@@ -173,7 +173,7 @@ fn differences(known: &[Datum]) -> Vec<Datum> {
     let Some(first) = ratios().next() else {
         return Vec::new();
     };
-    if ratios().any(|ratio| (ratio / first - 1.0).abs() > MAX_DIFFERENCE_OF_RATIOS) {
+    if ratios().any(|ratio| (ratio / first - 1.0).abs() > MAX_RATIO_SPREAD) {
         return Vec::new();
     }
     let pairs = known.windows(2);
@@ -208,7 +208,7 @@ fn highest_exponent(data: &[Datum]) -> Option<(f64, f64)> {
         // Any exponent fits.
         return None;
     }
-    let whole = Some((highest + RESOLUTION_OF_EXPONENTS / 2.0).floor()).filter(fits)?;
+    let whole = Some((highest + EXPONENT_STEP / 2.0).floor()).filter(fits)?;
     Some((highest, whole))
 }
 
@@ -285,8 +285,8 @@ fn departs(data: &[Datum], order: f64) -> bool {
 }
 
 fn exponents(from: f64, to: f64) -> impl DoubleEndedIterator<Item = f64> {
-    (0..=((to - from) / RESOLUTION_OF_EXPONENTS).round() as usize)
-        .map(move |n| from + n as f64 * RESOLUTION_OF_EXPONENTS)
+    (0..=((to - from) / EXPONENT_STEP).round() as usize)
+        .map(move |n| from + n as f64 * EXPONENT_STEP)
 }
 
 /// How badly E/h^k is a sum of these powers of h (fewer with few points): the largest residual over

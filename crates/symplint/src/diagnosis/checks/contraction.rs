@@ -1,6 +1,6 @@
 //! Whether a loop whose integral changes can be contracted in the domain of the map.
 
-use super::localise::{MAX_EVALUATIONS_OF_BOUNDARY, MIN_EVALUATIONS_OF_HALVING, contraction};
+use super::localise::{MAX_BOUNDARY_EVALUATIONS, MIN_HALVING_EVALUATIONS, contraction};
 use super::{GivenLoop, Runner};
 use crate::error::Error;
 use crate::evidence::{Check, LoopEvidence, LoopKind, Why};
@@ -44,7 +44,7 @@ impl Runner<'_> {
         }) else {
             return Ok(());
         };
-        if self.count.left() < MIN_EVALUATIONS_OF_HALVING {
+        if self.count.left() < MIN_HALVING_EVALUATIONS {
             self.omit(Check::Contraction, Why::BUDGET);
             return Ok(());
         }
@@ -55,7 +55,7 @@ impl Runner<'_> {
         subject.evaluator.begin_loop();
         match contraction(subject, &given.size, self.largest) {
             // A boundary was not resolved, as no more evaluations were left.
-            Ok(None) if self.count.left() < MAX_EVALUATIONS_OF_BOUNDARY => {
+            Ok(None) if self.count.left() < MAX_BOUNDARY_EVALUATIONS => {
                 self.omit(Check::Contraction, Why::BUDGET);
             }
             Ok(found) => self.evidence.contraction = found,

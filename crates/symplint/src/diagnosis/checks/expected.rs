@@ -1,11 +1,11 @@
 //! The evaluations that checks to come are expected to make, for the progress of a diagnosis.
 
 use super::constraint::singular_cost;
-use super::localise::MIN_EVALUATIONS_OF_SECTORS;
+use super::localise::MIN_SECTOR_EVALUATIONS;
 use super::memory::cost_again;
 use super::random_loops::LOOPS_PER_GROUP;
 use super::{GivenLoop, Runner};
-use crate::diagnosis::limits::{MIN_SAMPLES_OF_FOLDED_LOOP, STATES_OF_RETURN, STATES_OF_ROUNDING};
+use crate::diagnosis::limits::{MIN_FOLDED_SAMPLES, STATES_OF_RETURN, STATES_OF_ROUNDING};
 use crate::diagnosis::plan::power_below;
 use crate::evidence::{Check, LoopEvidence};
 use crate::jacobian::JacobianTest;
@@ -81,7 +81,7 @@ impl Runner<'_> {
             Check::RandomLoops => self.of_random_loops(subject, cost),
             Check::ManySteps if !is_broken && diagnostic.long_time > 0 => {
                 let affordable = power_below(self.left() / diagnostic.long_time);
-                let samples = cost.samples.max(MIN_SAMPLES_OF_FOLDED_LOOP / dof.max(1));
+                let samples = cost.samples.max(MIN_FOLDED_SAMPLES / dof.max(1));
                 samples.min(affordable) * diagnostic.long_time
             }
             Check::Jacobian if diagnostic.jacobian => {
@@ -96,10 +96,10 @@ impl Runner<'_> {
                     _ if !is_broken => cost.step,
                     passes => passes * cost.step,
                 };
-                let of_sectors = substeps + MIN_EVALUATIONS_OF_SECTORS;
+                let of_sectors = substeps + MIN_SECTOR_EVALUATIONS;
                 let has_sectors = !is_broken && self.left() > of_sectors;
                 // Without a second look at each side.
-                substeps + usize::from(has_sectors) * MIN_EVALUATIONS_OF_SECTORS / 2
+                substeps + usize::from(has_sectors) * MIN_SECTOR_EVALUATIONS / 2
             }
             Check::SampleSweep => (diagnostic.sample_sweep.iter())
                 .flat_map(|sweep| &sweep.counts)

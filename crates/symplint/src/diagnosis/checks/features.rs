@@ -2,9 +2,7 @@
 
 use super::constraint::singular_cost;
 use super::{GivenLoop, Runner, if_possible};
-use crate::diagnosis::limits::{
-    DISPLACEMENT_AT_FEATURE, DIVISOR_OF_ROUGHNESS_SAMPLES, MAX_FEATURES,
-};
+use crate::diagnosis::limits::{DISPLACEMENT_AT_FEATURE, DIVISOR_OF_ROUGHNESS, MAX_FEATURES};
 use crate::diagnosis::plan::fits;
 use crate::diagnosis::resolve::features::roughest_sample;
 use crate::diagnosis::resolve::refined_samples::RefinedSamples;
@@ -91,7 +89,7 @@ impl Runner<'_> {
         let Some(found) = found.filter(|found| found.kind != LoopKind::Image) else {
             return Ok(None);
         };
-        let samples = (found.samples / DIVISOR_OF_ROUGHNESS_SAMPLES).max(FEW_SAMPLES);
+        let samples = (found.samples / DIVISOR_OF_ROUGHNESS).max(FEW_SAMPLES);
         let (dof, has_tangent) = (subject.dof(), subject.evaluator.has_tangent());
         let left = self.left_for_features(dof);
         let Some(one) = JacobianTest::within(left, dof, has_tangent) else {

@@ -2,7 +2,7 @@
 
 use super::{GivenLoop, Runner, failed};
 use crate::diagnosis::limits::{
-    DIVISOR_OF_BLOCKS, DIVISOR_OF_DECAY, DIVISOR_OF_JACOBIAN_IN_LARGE_BUDGET, MAX_DOF_OF_BLOCKS,
+    DIVISOR_OF_BLOCKS, DIVISOR_OF_DECAY, DIVISOR_OF_LARGE_JACOBIAN, MAX_DOF_OF_BLOCKS,
     MIN_DEFECT_OVER_METHOD,
 };
 use crate::error::Error;
@@ -83,7 +83,7 @@ impl Runner<'_> {
             ..*test
         };
         one.budget = one.evaluations(dof, has_tangent) + JacobianTest::STATES_ALONG_TIME;
-        let planned = self.evidence.evaluations.budget / DIVISOR_OF_JACOBIAN_IN_LARGE_BUDGET;
+        let planned = self.evidence.evaluations.budget / DIVISOR_OF_LARGE_JACOBIAN;
         let most = (self.count.made() / DIVISOR_OF_BLOCKS).max(planned);
         let is_affordable = one.budget <= most.min(self.left_for_features(dof));
         if found.full || found.projected || dof > MAX_DOF_OF_BLOCKS || !is_affordable {

@@ -1,9 +1,7 @@
 //! The given loop in many steps.
 
 use super::{GivenLoop, Runner, failed};
-use crate::diagnosis::limits::{
-    MAX_ERROR_OVER_DEFECT, MAX_SUFFICIENT_ERROR, MIN_SAMPLES_OF_FOLDED_LOOP,
-};
+use crate::diagnosis::limits::{MAX_ERROR_OVER_DEFECT, MAX_SUFFICIENT_ERROR, MIN_FOLDED_SAMPLES};
 use crate::diagnosis::plan::{fits, power_below};
 use crate::diagnosis::resolve::probe::Probe;
 use crate::error::Error;
@@ -61,7 +59,7 @@ fn follow(
     left: usize,
 ) -> Result<Result<(LongTime, Vec<LoopAtStep>), Why>, Error> {
     let dof = probe.subject.dof();
-    let mut samples = probe.samples.max(MIN_SAMPLES_OF_FOLDED_LOOP / dof.max(1));
+    let mut samples = probe.samples.max(MIN_FOLDED_SAMPLES / dof.max(1));
     if !probe.keeps_samples() && !fits(dof, samples) {
         return Ok(Err(Why::Memory { samples }));
     }

@@ -4,9 +4,7 @@
 //! But noise is everywhere along the loop, and a feature is at one place and continuous there.
 
 use super::refined_samples::RefinedSamples;
-use crate::diagnosis::limits::{
-    DISTANCE_BESIDE_FEATURE, MIN_FEATURE_OVER_MEDIAN, MIN_FEATURE_OVER_ROUNDING,
-};
+use crate::diagnosis::limits::{DISTANCE_BESIDE_FEATURE, MIN_OVER_MEDIAN, MIN_OVER_ROUNDING};
 use crate::error::Error;
 use crate::rules::{Subject, roughness};
 use crate::signal::{Extent, nearest};
@@ -47,7 +45,7 @@ pub(in crate::diagnosis) fn roughest_sample(
 fn outstanding(sizes: &[f64], least: f64) -> Option<(usize, f64)> {
     let mut sorted = sizes.to_vec();
     sorted.sort_by(f64::total_cmp);
-    let most = least.max(MIN_FEATURE_OVER_MEDIAN * sorted.get(sorted.len() / 2)?);
+    let most = least.max(MIN_OVER_MEDIAN * sorted.get(sorted.len() / 2)?);
     let largest = (0..sizes.len()).max_by(|&a, &b| sizes[a].total_cmp(&sizes[b]))?;
     (sizes[largest] > most).then_some((largest, sizes[largest]))
 }
@@ -62,7 +60,7 @@ fn rounding(after: &Ensemble) -> f64 {
         }
     };
     let largest = (0..2 * after.dof()).map(of_row).fold(1.0, f64::max);
-    MIN_FEATURE_OVER_ROUNDING * f64::EPSILON * largest
+    MIN_OVER_ROUNDING * f64::EPSILON * largest
 }
 
 /// Whether a sample of the advanced loop, at `s`, that is off by this part of the size of its coordinate is the same when it is

@@ -1,6 +1,6 @@
 //! Samples that are doubled without making or advancing any of them twice.
 
-use crate::diagnosis::limits::{MAX_FIRST_SAMPLES_OF_ROUNDED_MAP, SAMPLES_OF_ROUNDING_TEST};
+use crate::diagnosis::limits::{MAX_ROUNDED_SAMPLES, SAMPLES_OF_ROUNDING_TEST};
 use crate::error::{Error, StateAt};
 use crate::rules::Subject;
 use crate::state::{Ensemble, coordinate};
@@ -59,7 +59,7 @@ impl<'a> RefinedSamples<'a> {
         let widths = grain.map_or(f64::INFINITY, |grain| grain.widths());
         let most = match widths.is_finite() {
             // A loop goes there and back.
-            true => (2.0 * widths).min(MAX_FIRST_SAMPLES_OF_ROUNDED_MAP),
+            true => (2.0 * widths).min(MAX_ROUNDED_SAMPLES),
             false => f64::INFINITY,
         };
         while count < samples && 2.0 * count as f64 <= most {

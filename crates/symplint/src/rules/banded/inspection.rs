@@ -23,7 +23,7 @@ const GROUPS_AT_ONCE: usize = 8;
 
 /// The rounding of samples, taken as rounding of the largest, rarely makes more than this of a difference: half of the sum of its
 /// absolute weights, 2^23/√binom(46, 23). What exceeds it may be a jump.
-const MAX_ROUNDINGS_OF_DIFFERENCE: f64 = 1.46;
+const MAX_ROUNDINGS: f64 = 1.46;
 
 /// A jump of a coordinate is at most this many times the difference of the window that shows it most, √binom(46, 23)/binom(22, 7), and
 /// this many times in the mean of all places.
@@ -105,7 +105,7 @@ impl Inspection {
             true => MAX_JUMP_OVER_DIFFERENCE,
             false => MEAN_JUMP_OVER_DIFFERENCE,
         };
-        factor * (self.largest - MAX_ROUNDINGS_OF_DIFFERENCE * UNIT_ROUNDOFF * size).max(0.0)
+        factor * (self.largest - MAX_ROUNDINGS * UNIT_ROUNDOFF * size).max(0.0)
     }
 }
 
@@ -189,10 +189,7 @@ mod tests {
     fn weights_of_windows_are_as_stated() {
         let weights = *DIFFERENCE;
         let sum: f64 = weights.iter().map(|w| w.abs()).sum();
-        assert!(
-            (0.5 * sum / MAX_ROUNDINGS_OF_DIFFERENCE - 1.0).abs() < 2e-3,
-            "{sum}"
-        );
+        assert!((0.5 * sum / MAX_ROUNDINGS - 1.0).abs() < 2e-3, "{sum}");
         // A jump in each cell, seen by the window that shows it most.
         let shown = |cell: usize| weights[cell + 1..].iter().sum::<f64>().abs();
         let most = |cell: usize| {

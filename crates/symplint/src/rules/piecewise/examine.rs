@@ -8,8 +8,8 @@ use multiversion::multiversion;
 use super::fit::{Fit, ends_of_tail, fit, fit_all, turning_point};
 use super::jump::Jump;
 use super::limits::{
-    FIRST_SMALL_COEFFICIENT, FULL_LEVEL, KINK_SAFETY, MARGIN_OF_NOISE, MARGIN_OF_RANGE,
-    MAX_DISTANCE_OF_SAME_TURNING_POINT, MAX_SIZE_AT_KINK, MAX_TAIL_RATIO, MAX_TERMS_OF_BREAK,
+    FIRST_SMALL, FULL_LEVEL, KINK_SAFETY, MARGIN_OF_NOISE, MARGIN_OF_RANGE,
+    MAX_DISTANCE_OF_SAME_TURNING_POINT, MAX_SIZE_AT_KINK, MAX_TAIL_RATIO, MAX_TERMS,
     MAX_TURNING_POINTS, MIN_EXPLAINED_PART, MIN_JUMP_OVER_ROUNDING, MIN_PART_OF_BEST,
     ROUNDING_OF_OPERATIONS,
 };
@@ -337,7 +337,7 @@ impl<'a> View<'a> {
         let Some(best) = best.filter(|_| most >= MIN_EXPLAINED_PART * all) else {
             return in_the_middle(CutReason::Unexplained);
         };
-        let steps: Vec<[f64; MAX_TERMS_OF_BREAK]> = (self.fits.iter())
+        let steps: Vec<[f64; MAX_TERMS]> = (self.fits.iter())
             .map(|fit| LOBATTO.gaps[best].jump(&fit.coefficients))
             .collect();
         if let Some(ends) = self.kink(best, &steps, (all - most).max(0.0)) {
@@ -353,15 +353,15 @@ impl<'a> View<'a> {
     }
 
     /// The jump by `steps` in a gap, unless rounding alone may be one of its size.
-    fn jump(&self, best: usize, steps: &[[f64; MAX_TERMS_OF_BREAK]]) -> Option<Jump> {
+    fn jump(&self, best: usize, steps: &[[f64; MAX_TERMS]]) -> Option<Jump> {
         let gap = &LOBATTO.gaps[best];
         let (low, high) = (LOBATTO.nodes[best], LOBATTO.nodes[best + 1]);
         let middle = 0.5 * (low + high);
         let direction: Vec<f64> = (steps.iter().enumerate())
             .map(|(c, step)| self.scales.weight(c).powi(2) * polynomial(step, middle))
             .collect();
-        let mut left = [0.0; FIRST_SMALL_COEFFICIENT];
-        let mut step = [0.0; MAX_TERMS_OF_BREAK];
+        let mut left = [0.0; FIRST_SMALL];
+        let mut step = [0.0; MAX_TERMS];
         let mut expected = 0.0;
         let mut noise = 0.0;
         let reference: Vec<f64> = self.fits.iter().map(|fit| fit.values[best]).collect();
@@ -406,12 +406,7 @@ impl<'a> View<'a> {
 
     /// Between which points of a gap the steps of all coordinates vanish, if they do: as closely as what is
     /// left `unexplained` lets it be known.
-    fn kink(
-        &self,
-        gap: usize,
-        steps: &[[f64; MAX_TERMS_OF_BREAK]],
-        unexplained: f64,
-    ) -> Option<[f64; 2]> {
+    fn kink(&self, gap: usize, steps: &[[f64; MAX_TERMS]], unexplained: f64) -> Option<[f64; 2]> {
         const POSITIONS: usize = 64;
         let (low, high) = (LOBATTO.nodes[gap], LOBATTO.nodes[gap + 1]);
         let square = |x: f64| {

@@ -3,7 +3,7 @@
 use multiversion::multiversion;
 
 use super::limits::{
-    CHECKS, DEGREES, ERROR_OVER_CHECK, FIRST_SMALL_COEFFICIENT, FULL_LEVEL, MAX_JUMP_OVER_DISTANCE,
+    CHECKS, DEGREES, ERROR_OVER_CHECK, FIRST_SMALL, FULL_LEVEL, MAX_JUMP_OVER_DISTANCE,
     MAX_TAIL_RATIO,
 };
 use super::lobatto::{
@@ -88,11 +88,7 @@ fn interpolant(points: &[f64; POINTS], level: usize) -> Fit {
 /// Sums of squares of coefficients at the beginning and at the end of the tail.
 #[inline(always)]
 pub(super) fn ends_of_tail(coefficients: &Values) -> [f64; 2] {
-    [
-        FIRST_SMALL_COEFFICIENT..FIRST_SMALL_COEFFICIENT + 3,
-        DEGREE - 2..DEGREE + 1,
-    ]
-    .map(|range| {
+    [FIRST_SMALL..FIRST_SMALL + 3, DEGREE - 2..DEGREE + 1].map(|range| {
         let part = &coefficients[range];
         part.iter().map(|a| a * a).sum()
     })

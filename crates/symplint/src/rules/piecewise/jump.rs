@@ -1,7 +1,7 @@
 //! A jump between two nodes of a piece.
 
 use super::curves::{CurvePoint, PointImage};
-use super::limits::{FIRST_SMALL_COEFFICIENT, MAX_NOISE, MAX_TERMS_OF_BREAK};
+use super::limits::{FIRST_SMALL, MAX_NOISE, MAX_TERMS};
 use super::lobatto::{evaluate, polynomial};
 use super::piece::Piece;
 use super::scales::Scales;
@@ -40,8 +40,8 @@ pub(super) struct Jump {
     /// A state nearby, from which coordinates are counted.
     reference: Vec<f64>,
     /// The function on the left, and what the right has more, over the piece.
-    left: [f64; FIRST_SMALL_COEFFICIENT],
-    step: [f64; MAX_TERMS_OF_BREAK],
+    left: [f64; FIRST_SMALL],
+    step: [f64; MAX_TERMS],
     /// States that are granted for it.
     pub price: usize,
 }
@@ -67,7 +67,7 @@ impl Jump {
         gap: [f64; 2],
         ends: [PointImage; 2],
         (direction, reference): (Vec<f64>, Vec<f64>),
-        (left, step): ([f64; FIRST_SMALL_COEFFICIENT], [f64; MAX_TERMS_OF_BREAK]),
+        (left, step): ([f64; FIRST_SMALL], [f64; MAX_TERMS]),
         expected: f64,
     ) -> Self {
         let bracket = Bracket::new(gap, expected);

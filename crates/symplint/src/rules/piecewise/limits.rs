@@ -32,10 +32,10 @@ pub(super) const ERROR_OVER_ESTIMATE: f64 = 2.0;
 pub(super) const MAX_JUMP_OVER_MISS: f64 = 2.0;
 
 /// Coefficients from here on are small on a smooth piece; what a break leaves there gives it away.
-pub(super) const FIRST_SMALL_COEFFICIENT: usize = 6;
+pub(super) const FIRST_SMALL: usize = 6;
 
 /// A break is a difference of two smooth functions: a polynomial of at most this many coefficients.
-pub(super) const MAX_TERMS_OF_BREAK: usize = 3;
+pub(super) const MAX_TERMS: usize = 3;
 
 /// A stretch of this part of the loop is taken for a straight line: its curvature, (2π · 1e-11)², is far below
 /// round-off.

@@ -4,7 +4,7 @@ use std::sync::LazyLock;
 
 use multiversion::multiversion;
 
-use super::limits::{CHECKS, DEGREES, FIRST_SMALL_COEFFICIENT, FULL_LEVEL, MAX_TERMS_OF_BREAK};
+use super::limits::{CHECKS, DEGREES, FIRST_SMALL, FULL_LEVEL, MAX_TERMS};
 
 /// The highest degree of the interpolants.
 pub(super) const DEGREE: usize = DEGREES[FULL_LEVEL];
@@ -16,7 +16,7 @@ pub(super) const NODES: usize = DEGREE + 1;
 pub(super) const POINTS: usize = NODES + CHECKS.len();
 
 /// Number of the coefficients that are small on a smooth piece.
-const SMALL_COEFFICIENTS: usize = NODES - FIRST_SMALL_COEFFICIENT;
+const TAIL: usize = NODES - FIRST_SMALL;
 
 /// Values at the nodes, or coefficients of the Chebyshev polynomials T_0 … T_12.
 pub(super) type Values = [f64; NODES];
@@ -41,14 +41,14 @@ pub(super) struct Lobatto {
     area: Columns,
     /// A break between nodes i and i + 1.
     pub gaps: [Gap; DEGREE],
-    /// The bases of the tails of all gaps, [`MAX_TERMS_OF_BREAK`] numbers for each gap: one column for each coefficient of a tail.
-    tails: [GapColumn; SMALL_COEFFICIENTS],
+    /// The bases of the tails of all gaps, [`MAX_TERMS`] numbers for each gap: one column for each coefficient of a tail.
+    tails: [GapColumn; TAIL],
 }
 
 /// Numbers for each term of each gap, filled up with zeros to whole vector registers.
 type GapColumn = [f64; NUMBERS_OF_GAPS];
 
-const NUMBERS_OF_GAPS: usize = (DEGREE * MAX_TERMS_OF_BREAK).next_multiple_of(LANES);
+const NUMBERS_OF_GAPS: usize = (DEGREE * MAX_TERMS).next_multiple_of(LANES);
 
 /// The one table of these.
 pub(super) static LOBATTO: LazyLock<Lobatto> = LazyLock::new(Lobatto::new);
@@ -105,10 +105,7 @@ impl Lobatto {
         let gaps = std::array::from_fn(|i| Gap::new(i, &nodes, transform));
         let tails = std::array::from_fn(|k| {
             let mut column = [0.0; NUMBERS_OF_GAPS];
-            for (numbers, gap) in column
-                .chunks_mut(MAX_TERMS_OF_BREAK)
-                .zip(&gaps as &[Gap; DEGREE])
-            {
+            for (numbers, gap) in column.chunks_mut(MAX_TERMS).zip(&gaps as &[Gap; DEGREE]) {
                 let entries = gap.basis.iter().map(|unit| unit[k]);
                 (numbers.iter_mut().zip(entries)).for_each(|(number, entry)| *number = entry);
             }
@@ -173,11 +170,7 @@ pub(super) fn explained<'a>(
     let mut sums = [0.0; NUMBERS_OF_GAPS];
     for (weight, coefficients) in weighted {
         let mut along = [0.0; NUMBERS_OF_GAPS];
-        for (column, a) in LOBATTO
-            .tails
-            .iter()
-            .zip(&coefficients[FIRST_SMALL_COEFFICIENT..])
-        {
+        for (column, a) in LOBATTO.tails.iter().zip(&coefficients[FIRST_SMALL..]) {
             for k in 0..NUMBERS_OF_GAPS {
                 along[k] += column[k] * a;
             }
@@ -186,11 +179,7 @@ pub(super) fn explained<'a>(
             sums[k] += weight * along[k] * along[k];
         }
     }
-    std::array::from_fn(|i| {
-        sums[i * MAX_TERMS_OF_BREAK..][..MAX_TERMS_OF_BREAK]
-            .iter()
-            .sum()
-    })
+    std::array::from_fn(|i| sums[i * MAX_TERMS..][..MAX_TERMS].iter().sum())
 }
 
 /// The columns of a matrix from its rows.
@@ -291,15 +280,15 @@ pub(super) struct Gap {
     /// Coefficients of (nothing, then x^l) for each term l.
     columns: Vec<Values>,
     /// An orthonormal basis of the tails of those.
-    basis: Vec<[f64; SMALL_COEFFICIENTS]>,
+    basis: Vec<[f64; TAIL]>,
     /// The tails in that basis: upper triangle, by columns.
-    triangle: [[f64; MAX_TERMS_OF_BREAK]; MAX_TERMS_OF_BREAK],
+    triangle: [[f64; MAX_TERMS]; MAX_TERMS],
 }
 
 impl Gap {
     fn new(left: usize, nodes: &Values, transform: &[Values; NODES]) -> Self {
         // No more terms than one of the sides has nodes to tell them apart.
-        let terms = MAX_TERMS_OF_BREAK.min(left + 1).min(DEGREE - left);
+        let terms = MAX_TERMS.min(left + 1).min(DEGREE - left);
         let mut gap = Gap {
             columns: Vec::new(),
             basis: Vec::new(),
@@ -314,8 +303,7 @@ impl Gap {
                 }
             });
             let column: Values = std::array::from_fn(|k| dot(&transform[k], &stepped));
-            let mut rest: [f64; SMALL_COEFFICIENTS] =
-                std::array::from_fn(|k| column[FIRST_SMALL_COEFFICIENT + k]);
+            let mut rest: [f64; TAIL] = std::array::from_fn(|k| column[FIRST_SMALL + k]);
             // Twice is enough for an orthogonal basis.
             for _ in 0..2 {
                 for (row, unit) in gap.basis.iter().enumerate() {
@@ -339,9 +327,9 @@ impl Gap {
         self.basis.len()
     }
 
-    fn along(&self, coefficients: &Values) -> [f64; MAX_TERMS_OF_BREAK] {
-        let tail = &coefficients[FIRST_SMALL_COEFFICIENT..];
-        let mut along = [0.0; MAX_TERMS_OF_BREAK];
+    fn along(&self, coefficients: &Values) -> [f64; MAX_TERMS] {
+        let tail = &coefficients[FIRST_SMALL..];
+        let mut along = [0.0; MAX_TERMS];
         for (along, unit) in along.iter_mut().zip(&self.basis) {
             *along = unit.iter().zip(tail).map(|(a, b)| a * b).sum();
         }
@@ -349,7 +337,7 @@ impl Gap {
     }
 
     /// The best D: its coefficients.
-    pub fn jump(&self, coefficients: &Values) -> [f64; MAX_TERMS_OF_BREAK] {
+    pub fn jump(&self, coefficients: &Values) -> [f64; MAX_TERMS] {
         let mut jump = self.along(coefficients);
         for l in (0..self.basis.len()).rev() {
             jump[l] /= self.triangle[l][l];
@@ -361,11 +349,7 @@ impl Gap {
     }
 
     /// The smooth part of the left side, when the right side has `jump` more.
-    pub fn left(
-        &self,
-        coefficients: &Values,
-        jump: &[f64; MAX_TERMS_OF_BREAK],
-    ) -> [f64; FIRST_SMALL_COEFFICIENT] {
+    pub fn left(&self, coefficients: &Values, jump: &[f64; MAX_TERMS]) -> [f64; FIRST_SMALL] {
         std::array::from_fn(|k| {
             let stepped = self.columns.iter().zip(jump);
             coefficients[k] - stepped.map(|(column, d)| column[k] * d).sum::<f64>()
@@ -376,14 +360,11 @@ impl Gap {
 /// Sum of the squares of the tail.
 #[inline(always)]
 pub(super) fn tail_squared(coefficients: &Values) -> f64 {
-    coefficients[FIRST_SMALL_COEFFICIENT..]
-        .iter()
-        .map(|a| a * a)
-        .sum()
+    coefficients[FIRST_SMALL..].iter().map(|a| a * a).sum()
 }
 
 /// D(x).
-pub(super) fn polynomial(terms: &[f64; MAX_TERMS_OF_BREAK], x: f64) -> f64 {
+pub(super) fn polynomial(terms: &[f64; MAX_TERMS], x: f64) -> f64 {
     terms.iter().rev().fold(0.0, |sum, d| sum * x + d)
 }
 

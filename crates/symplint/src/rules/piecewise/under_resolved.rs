@@ -24,7 +24,7 @@ use crate::signal::{Barycentric, Extent, nearest};
 use crate::state::{Ensemble, coordinate, in_parallel, period};
 
 /// Operations for one degree of freedom of a stretch: five polynomials through a dozen samples, at the nodes of a piece.
-const OPERATIONS_OF_STRETCH: usize = 1 << 10;
+const STRETCH_OPERATIONS: usize = 1 << 10;
 
 /// A stretch of short pieces between two long ones.
 struct Stretch<'a> {
@@ -108,7 +108,7 @@ pub(super) fn under_resolved(refinement: &Refinement<'_>) -> f64 {
         let (ends, beside) = ([left[1], right[0]], beside(left, right, count));
         let stretch = Stretch::new(refinement, samples, runs[k + 1], ends, &beside);
         let dof = refinement.coordinates.dof();
-        let of_dofs = in_parallel(0..dof, OPERATIONS_OF_STRETCH, |i| stretch.excess(i));
+        let of_dofs = in_parallel(0..dof, STRETCH_OPERATIONS, |i| stretch.excess(i));
         for (area, uncertainty) in of_dofs {
             if area.abs() > uncertainty {
                 net += area;

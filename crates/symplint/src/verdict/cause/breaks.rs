@@ -12,15 +12,15 @@ use crate::verdict::thresholds::MIN_FLICKERING_PART;
 
 /// Values that should be equal may differ by this part of what they are compared with. Conventional: far above rounding and the
 /// distance of states from a break, and far below what chance makes equal.
-const MAX_RELATIVE_DIFFERENCE: f64 = 1e-6;
+const MAX_DIFFERENCE: f64 = 1e-6;
 
 /// Exponents of a jump against the step size may be off by this much: the largest jumps at two step sizes need not be at one
 /// place. Conventional: less than half of the distance of whole exponents.
-const MAX_ERROR_OF_EXPONENT: f64 = 0.4;
+const MAX_EXPONENT_ERROR: f64 = 0.4;
 
 /// One side of a break that lies on the trajectory of the other is met to this part of the jump. Conventional: a step along the flow
 /// is made in four parts, and the direction of a jump is random otherwise.
-const MAX_MISS_OF_TRAJECTORY: f64 = 0.02;
+const MAX_MISS: f64 = 0.02;
 
 /// A force that jumps moves a position by at most the change of its momentum times h over the mass, and by up to this many times as much if
 /// a method has kicks outside its step, as those of order 4 have. Conventional.
@@ -67,7 +67,7 @@ impl JumpLaw {
 }
 
 fn is_about(exponent: f64, whole: f64) -> bool {
-    (exponent - whole).abs() <= MAX_ERROR_OF_EXPONENT
+    (exponent - whole).abs() <= MAX_EXPONENT_ERROR
 }
 
 impl Clues<'_> {
@@ -144,16 +144,16 @@ impl Clues<'_> {
                 true => (size, jump.jump_q, jump.jump_p),
                 false => (size, jump.jump_p, jump.jump_q),
             })
-            .filter(|(_, jump, other)| jump.abs() > MAX_RELATIVE_DIFFERENCE * other.abs())
+            .filter(|(_, jump, other)| jump.abs() > MAX_DIFFERENCE * other.abs())
             .collect();
         let elsewhere: Vec<f64> = (jumps.iter())
             .map(|(_, jump, _)| *jump)
             .chain(sides.places.iter().filter(|_| of_q).map(|at| at.jump_q))
             .map(f64::abs)
             .collect();
-        let same = |other: &f64| (other - length).abs() <= MAX_RELATIVE_DIFFERENCE * length;
+        let same = |other: &f64| (other - length).abs() <= MAX_DIFFERENCE * length;
         // Wrapped, a coordinate lies in one period.
-        let is_wrapped = of.range <= (1.0 + MAX_RELATIVE_DIFFERENCE) * length;
+        let is_wrapped = of.range <= (1.0 + MAX_DIFFERENCE) * length;
         if sides.jumping != 1 || elsewhere.len() < 2 || !elsewhere.iter().all(same) || !is_wrapped {
             return None;
         }
@@ -199,10 +199,8 @@ impl Clues<'_> {
                 'q' => (found.jump_q, found.jump_p),
                 _ => (found.jump_p, found.jump_q),
             };
-            let is_alone = other.abs() <= MAX_RELATIVE_DIFFERENCE * length;
-            found.dof == dof
-                && is_alone
-                && (jump.abs() - length).abs() <= MAX_RELATIVE_DIFFERENCE * length
+            let is_alone = other.abs() <= MAX_DIFFERENCE * length;
+            found.dof == dof && is_alone && (jump.abs() - length).abs() <= MAX_DIFFERENCE * length
         })
     }
 
@@ -217,9 +215,9 @@ impl Clues<'_> {
             Some(law) => {
                 low * high < 0.0
                     && is_about(law.p, 0.0)
-                    && (!q.jumps || law.q > 1.0 - MAX_ERROR_OF_EXPONENT)
+                    && (!q.jumps || law.q > 1.0 - MAX_EXPONENT_ERROR)
             }
-            None => (low + high).abs() < MAX_RELATIVE_DIFFERENCE * (high - low).abs(),
+            None => (low + high).abs() < MAX_DIFFERENCE * (high - low).abs(),
         };
         if !is_reflected || sides.jumping > 2 {
             return None;
@@ -229,7 +227,7 @@ impl Clues<'_> {
             false => format!(
                 " at {} = {} after the step",
                 name(q),
-                not_below(q.middle(), MAX_RELATIVE_DIFFERENCE * q.radius)
+                not_below(q.middle(), MAX_DIFFERENCE * q.radius)
             ),
         };
         Some(Cause::new(
@@ -252,9 +250,7 @@ impl Clues<'_> {
     /// Both sides of the break lie on one trajectory.
     pub(super) fn chosen_step_length(&self) -> Option<Cause> {
         let sides = self.sides()?;
-        let flow = sides
-            .along_flow
-            .filter(|flow| flow.distance <= MAX_MISS_OF_TRAJECTORY)?;
+        let flow = sides.along_flow.filter(|flow| flow.distance <= MAX_MISS)?;
         if sides.jumping < 2 {
             return None;
         }
@@ -280,7 +276,7 @@ impl Clues<'_> {
         let first = kicked.first()?;
         let q_jumps = (sides.coordinates.iter()).any(|of| of.jumps && of.coordinate == 'q');
         let is_kick = match self.law {
-            Some(law) => is_about(law.p, 1.0) && (!q_jumps || law.q > 2.0 - MAX_ERROR_OF_EXPONENT),
+            Some(law) => is_about(law.p, 1.0) && (!q_jumps || law.q > 2.0 - MAX_EXPONENT_ERROR),
             None => !q_jumps,
         };
         if !is_kick {
@@ -334,9 +330,8 @@ impl Clues<'_> {
     pub(super) fn choice_inside(&self) -> Option<Cause> {
         let sides = self.sides()?;
         let exponent = self.law.map(|law| law.q.min(law.p));
-        let is_error = exponent.is_some_and(|exponent| {
-            exponent >= 1.0 + MAX_ERROR_OF_EXPONENT && exponent.is_finite()
-        });
+        let is_error = exponent
+            .is_some_and(|exponent| exponent >= 1.0 + MAX_EXPONENT_ERROR && exponent.is_finite());
         let how = match exponent {
             _ if sides.jumping < 2 => return None,
             Some(exponent) if is_error => format!(
@@ -372,7 +367,7 @@ impl Clues<'_> {
         let [q, p] = ['q', 'p'].map(|of| {
             sides
                 .coordinate(of, dof)
-                .map(|of| MAX_RELATIVE_DIFFERENCE * of.radius)
+                .map(|of| MAX_DIFFERENCE * of.radius)
         });
         let (least_q, least_p) = (q?, p?);
         let ratios = (self.jumps())
@@ -395,7 +390,7 @@ fn opposite_pairs<'a>(
     let mut pairs = Vec::new();
     while let Some(first) = left.pop() {
         let opposite = |of: &&CoordinateAtBreak| {
-            (of.jump() + first.jump()).abs() <= MAX_RELATIVE_DIFFERENCE * first.jump().abs()
+            (of.jump() + first.jump()).abs() <= MAX_DIFFERENCE * first.jump().abs()
         };
         let second = left.remove(left.iter().position(opposite)?);
         pairs.push((second, first));
@@ -436,7 +431,7 @@ fn where_it_jumps(sides: &BreakSides) -> String {
         sides.step_size.unwrap_or(0.0),
     );
     let drifted = |part: f64| move |at: &PositionAtBreak| at.before + part * h * at.velocity;
-    let least = MAX_RELATIVE_DIFFERENCE * q.radius;
+    let least = MAX_DIFFERENCE * q.radius;
     // The stages of a method jump at different positions: breaks of another stage move q, and this one does not, or the reverse.
     let of_this_stage =
         |at: &&PositionAtBreak| (at.jump_q.abs() > least) == (first.jump_q.abs() > least);

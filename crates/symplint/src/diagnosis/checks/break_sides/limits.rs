@@ -4,7 +4,7 @@
 pub(super) const MIN_EVALUATIONS_MADE: usize = 400;
 
 /// The same for the flow that leads from one side to the other.
-pub(super) const MIN_EVALUATIONS_MADE_FOR_FLOW: usize = 1000;
+pub(super) const MIN_MADE_FOR_FLOW: usize = 1000;
 
 /// Distance of the nearest states from a break, as a part of the loop. Derived: the curvature of the loop, (2π)² of the square, is
 /// below rounding.

@@ -5,7 +5,7 @@ mod limits;
 use limits::{
     DISTANCES, FIRST_PART_OF_STEP, MAX_COMPARED_BREAKS, MAX_COORDINATES, MAX_DISTANCE_OVER_JUMP,
     MAX_PART_OF_STEP, MAX_SECANT_TRIALS, MIN_DISTANCE, MIN_DISTANCE_IN_UNCERTAINTIES,
-    MIN_EVALUATIONS_MADE, MIN_EVALUATIONS_MADE_FOR_FLOW, MIN_JUMP_OVER_LARGEST, SUBDIVISIONS,
+    MIN_EVALUATIONS_MADE, MIN_JUMP_OVER_LARGEST, MIN_MADE_FOR_FLOW, SUBDIVISIONS,
 };
 
 use super::{GivenLoop, Runner};
@@ -70,7 +70,7 @@ impl Runner<'_> {
             return Ok(());
         };
         (sides.loop_index, sides.step_size) = (loop_index, step_size);
-        if step_size.is_some() && self.count.made() >= MIN_EVALUATIONS_MADE_FOR_FLOW {
+        if step_size.is_some() && self.count.made() >= MIN_MADE_FOR_FLOW {
             sides.along_flow = along_flow(subject, h, &low_and_high, &given.size)?;
         }
         sides.places = places(subject, h, &breaks)?;

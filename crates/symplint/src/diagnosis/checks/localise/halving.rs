@@ -30,10 +30,10 @@ const POSITION_OF_CUT: f64 = 0.437;
 const CENTRE_OFFSET: f64 = 0.0917;
 
 /// Evaluations of one boundary at most: near a singular point they are many.
-pub(crate) const MAX_EVALUATIONS_OF_BOUNDARY: usize = 4_000;
+pub(crate) const MAX_BOUNDARY_EVALUATIONS: usize = 4_000;
 
 /// Evaluations that the first halving takes, where boundaries are smooth.
-pub(crate) const MIN_EVALUATIONS_OF_HALVING: usize = 2 * (12 + 15 * 4);
+pub(crate) const MIN_HALVING_EVALUATIONS: usize = 2 * (12 + 15 * 4);
 
 /// Follows the parts of the disc that carry the change of the loop integral, as long as they are few. `None` where
 /// boundaries are not resolved.
@@ -57,7 +57,7 @@ pub(crate) fn contraction(
         subject,
         centre,
         rule: Piecewise {
-            most_evaluations: MAX_EVALUATIONS_OF_BOUNDARY,
+            most_evaluations: MAX_BOUNDARY_EVALUATIONS,
             ..Piecewise::default()
         },
         h,

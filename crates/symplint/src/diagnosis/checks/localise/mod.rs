@@ -5,9 +5,9 @@ mod patch;
 mod sectors;
 mod substeps;
 
-pub(super) use halving::{MAX_EVALUATIONS_OF_BOUNDARY, MIN_EVALUATIONS_OF_HALVING, contraction};
+pub(super) use halving::{MAX_BOUNDARY_EVALUATIONS, MIN_HALVING_EVALUATIONS, contraction};
 
-pub(super) use sectors::MIN_EVALUATIONS_OF_SECTORS;
+pub(super) use sectors::MIN_SECTOR_EVALUATIONS;
 
 use super::random_loops::loop_of_kind;
 use super::{GivenLoop, Runner, failed};
@@ -108,8 +108,7 @@ impl Diagnostic {
             sectors: Vec::new(),
         };
         // Within broken loops there are breaks as well, and a loop that winds bounds no disc.
-        if !broken && !found.winds && subject.evaluator.count().left() >= MIN_EVALUATIONS_OF_SECTORS
-        {
+        if !broken && !found.winds && subject.evaluator.count().left() >= MIN_SECTOR_EVALUATIONS {
             localisation.sectors = sectors::sectors(subject, &piecewise, h)?;
         }
         Ok(localisation)

@@ -15,7 +15,7 @@ const SIDES_OF_BOUNDARY: usize = 3;
 
 /// Evaluations that all sectors take at least, where their boundaries are smooth: a first look and 15 states for each
 /// side, checks included.
-pub(crate) const MIN_EVALUATIONS_OF_SECTORS: usize = 2 * SECTORS * (12 + 15 * SIDES_OF_BOUNDARY);
+pub(crate) const MIN_SECTOR_EVALUATIONS: usize = 2 * SECTORS * (12 + 15 * SIDES_OF_BOUNDARY);
 
 /// Integrates round every sector before and after a step of size `h`.
 pub(super) fn sectors(

@@ -18,15 +18,15 @@ const FIRST_SITES: usize = 2;
 /// The points of a site, in units of single precision, by which all coordinates are displaced at once: stairs of any
 /// width up to some of these differ there. On so short a line smooth maps have no sixth difference, and a loop of any
 /// size has one: where it is narrower, the line leaves it.
-const POINTS_OF_SITE: [f64; 10] = [0.0, 1.13, 2.77, 3.83, 5.43, 6.55, 7.8, 9.21, 10.37, 11.86];
+const OFFSETS: [f64; 10] = [0.0, 1.13, 2.77, 3.83, 5.43, 6.55, 7.8, 9.21, 10.37, 11.86];
 
 /// Noise of single precision is this part of what rounding makes of a coordinate at least, far above that of
 /// double precision; and at most this multiple of it.
-const NOISE_RANGE_IN_ROUNDINGS: [f64; 2] = [0.02, 4.0];
+const NOISE_RANGE: [f64; 2] = [0.02, 4.0];
 
 /// The displacements of the last test, in those of the first. Conventional: sixth differences of a wave fall to 4e-6 of themselves, and
 /// a result in single precision still jumps at most sites.
-const DISTANCE_FACTOR_OF_LAST_TEST: f64 = 0.125;
+const LAST_FACTOR: f64 = 0.125;
 
 /// Results of single precision differ by less than this part of their rounding, if the same states are advanced in another
 /// order: few sums of a matrix product add up otherwise. Independent noise differs by √2 of itself.
@@ -65,7 +65,7 @@ pub(super) fn rounding_inside(subject: Subject<'_>, h: f64) -> Result<Option<Vec
         |point| point,
     )?];
     let mut noise = noise(subject, &forward[0]);
-    let shows = |c: usize, noise: f64| noise > NOISE_RANGE_IN_ROUNDINGS[0] * grain.of_coordinate(c);
+    let shows = |c: usize, noise: f64| noise > NOISE_RANGE[0] * grain.of_coordinate(c);
     let any = |of: &[f64]| (of.iter().enumerate()).any(|(c, &noise)| shows(c, noise));
     if !noise.iter().any(|of_site| any(of_site)) {
         return Ok(None);
@@ -80,7 +80,7 @@ pub(super) fn rounding_inside(subject: Subject<'_>, h: f64) -> Result<Option<Vec
     noise.extend(self::noise(subject, &forward[1]));
     let is_single = |c: usize| {
         let noisy = noise.iter().filter(|of_site| shows(c, of_site[c])).count();
-        let most = NOISE_RANGE_IN_ROUNDINGS[1] * grain.of_coordinate(c);
+        let most = NOISE_RANGE[1] * grain.of_coordinate(c);
         // The sixth difference at one site may be small. A larger one comes from a break or a kink.
         noisy + 1 >= SITES.len() && noise.iter().all(|of_site| of_site[c] < most)
     };
@@ -93,10 +93,7 @@ pub(super) fn rounding_inside(subject: Subject<'_>, h: f64) -> Result<Option<Vec
         return Ok(None);
     }
     // A unit may be as long as a wave of the map.
-    let closer: Vec<f64> = units
-        .iter()
-        .map(|unit| DISTANCE_FACTOR_OF_LAST_TEST * unit)
-        .collect();
+    let closer: Vec<f64> = units.iter().map(|unit| LAST_FACTOR * unit).collect();
     let closer = self::noise(
         subject,
         &stairs(subject, h, &SITES, &closer, |point| point)?,
@@ -124,7 +121,7 @@ fn in_other_order(
     units: &[f64],
     forward: &[Ensemble],
 ) -> Result<Vec<f64>, Error> {
-    let reversed = |point: usize| POINTS_OF_SITE.len() - 1 - point;
+    let reversed = |point: usize| OFFSETS.len() - 1 - point;
     let mut sums = vec![0.0; units.len()];
     for (sites, there) in [&SITES[..FIRST_SITES], &SITES[FIRST_SITES..]]
         .into_iter()
@@ -135,14 +132,10 @@ fn in_other_order(
             let (there, back) = (coordinate(there, c), coordinate(&back, c));
             let period = period(subject.coordinates(), c);
             let squares = there.iter().enumerate().map(|(k, x)| {
-                let (site, point) = (k / POINTS_OF_SITE.len(), k % POINTS_OF_SITE.len());
-                nearest(
-                    x - back[site * POINTS_OF_SITE.len() + reversed(point)],
-                    period,
-                )
-                .powi(2)
+                let (site, point) = (k / OFFSETS.len(), k % OFFSETS.len());
+                nearest(x - back[site * OFFSETS.len() + reversed(point)], period).powi(2)
             });
-            *sum += squares.sum::<f64>() / POINTS_OF_SITE.len() as f64;
+            *sum += squares.sum::<f64>() / OFFSETS.len() as f64;
         }
     }
     Ok(sums)
@@ -159,17 +152,14 @@ fn stairs(
     let dof = subject.dof();
     let mut at_sites = Ensemble::zeros(dof, sites.len());
     subject.phase_loop.sample(sites, &mut at_sites.block());
-    Ensemble::check_size(dof, sites.len() * POINTS_OF_SITE.len())?;
-    let mut states = Ensemble::zeros(dof, sites.len() * POINTS_OF_SITE.len());
+    Ensemble::check_size(dof, sites.len() * OFFSETS.len())?;
+    let mut states = Ensemble::zeros(dof, sites.len() * OFFSETS.len());
     let fill = |first: usize, block: &mut Block<'_>| {
         for (c, unit) in units.iter().enumerate() {
             let centres = coordinate(&at_sites, c);
             for (k, value) in coordinate_mut(block, c).iter_mut().enumerate() {
-                let (site, point) = (
-                    (first + k) / POINTS_OF_SITE.len(),
-                    (first + k) % POINTS_OF_SITE.len(),
-                );
-                *value = centres[site] + POINTS_OF_SITE[order(point)] * unit;
+                let (site, point) = ((first + k) / OFFSETS.len(), (first + k) % OFFSETS.len());
+                *value = centres[site] + OFFSETS[order(point)] * unit;
             }
         }
         Ok(())
@@ -181,18 +171,15 @@ fn stairs(
 /// The root mean square of the sixth differences of each coordinate, at some sites.
 fn noise(subject: Subject<'_>, states: &Ensemble) -> Vec<Vec<f64>> {
     let dof = subject.dof();
-    let differences = SixthDifferences::at(&POINTS_OF_SITE);
+    let differences = SixthDifferences::at(&OFFSETS);
     let of_site = |site: usize| {
         let of_coordinate = |c: usize| {
             let period = period(subject.coordinates(), c);
-            let row = &coordinate(states, c)
-                [site * POINTS_OF_SITE.len()..(site + 1) * POINTS_OF_SITE.len()];
+            let row = &coordinate(states, c)[site * OFFSETS.len()..(site + 1) * OFFSETS.len()];
             let values: Vec<f64> = row.iter().map(|x| nearest(x - row[0], period)).collect();
             differences.root_mean_square(&values)
         };
         (0..2 * dof).map(of_coordinate).collect()
     };
-    (0..states.samples() / POINTS_OF_SITE.len())
-        .map(of_site)
-        .collect()
+    (0..states.samples() / OFFSETS.len()).map(of_site).collect()
 }

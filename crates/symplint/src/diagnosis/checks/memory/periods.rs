@@ -11,13 +11,13 @@ use crate::state::{Block, Ensemble, coordinate, coordinate_mut, period};
 const SITES: usize = 2;
 
 /// Beside each state, others that are displaced by this number of roundings show what rounding does.
-const DISPLACEMENTS_IN_ROUNDINGS: [f64; 3] = [0.0, -24.0, 40.0];
+const DISPLACEMENTS: [f64; 3] = [0.0, -24.0, 40.0];
 
 /// Coordinates that are moved one by one, at most, to name one of them.
 const MAX_SEPARATE_COORDINATES: usize = 64;
 
 /// States that are advanced each time.
-const STATES: usize = 2 * SITES * DISPLACEMENTS_IN_ROUNDINGS.len();
+const STATES: usize = 2 * SITES * DISPLACEMENTS.len();
 
 /// Moves a few states of the loop by the periods that the map states, and compares their images, as far as the budget
 /// allows: a period that is not one of the map, if there is any. Moved states at which the map fails, outside a box say,
@@ -87,11 +87,10 @@ fn difference(subject: Subject<'_>, h: f64, moved: &[usize]) -> Result<Option<f6
             let rounding = unit * largest(c);
             for (k, value) in coordinate_mut(block, c).iter_mut().enumerate() {
                 let (k, nudge) = (
-                    (first + k) / DISPLACEMENTS_IN_ROUNDINGS.len(),
-                    (first + k) % DISPLACEMENTS_IN_ROUNDINGS.len(),
+                    (first + k) / DISPLACEMENTS.len(),
+                    (first + k) % DISPLACEMENTS.len(),
                 );
-                let at =
-                    coordinate(&at_sites, c)[k / 2] + DISPLACEMENTS_IN_ROUNDINGS[nudge] * rounding;
+                let at = coordinate(&at_sites, c)[k / 2] + DISPLACEMENTS[nudge] * rounding;
                 *value = if k % 2 == 1 { at + shift } else { at };
             }
         }
@@ -103,10 +102,10 @@ fn difference(subject: Subject<'_>, h: f64, moved: &[usize]) -> Result<Option<f6
         advanced => advanced?,
     }
     let of_site = |site: usize, c: usize| {
-        let first = 2 * site * DISPLACEMENTS_IN_ROUNDINGS.len();
-        let row = &coordinate(&states, c)[first..first + 2 * DISPLACEMENTS_IN_ROUNDINGS.len()];
+        let first = 2 * site * DISPLACEMENTS.len();
+        let row = &coordinate(&states, c)[first..first + 2 * DISPLACEMENTS.len()];
         let apart = |a: usize, b: usize| nearest(row[a] - row[b], period(coordinates, c)).abs();
-        let count = DISPLACEMENTS_IN_ROUNDINGS.len();
+        let count = DISPLACEMENTS.len();
         let of_period = (0..count).map(|k| apart(count + k, k));
         let least = of_period.fold(f64::INFINITY, f64::min);
         let of_nudges = (1..count).map(|k| apart(k, 0).max(apart(count + k, count)));

@@ -20,16 +20,16 @@ use crate::state::{Ensemble, coordinate};
 const STATES_PER_LONE_STATE: usize = 4;
 
 /// States of a batch that is advanced once more.
-const STATES_OF_REPEATED_BATCH: usize = 8;
+const BATCH_STATES: usize = 8;
 
 /// Differences up to this many standard deviations are explained by scatter.
-const MAX_DEVIATIONS_OF_SCATTER: f64 = 16.0;
+const MAX_DEVIATIONS: f64 = 16.0;
 
 /// Differences up to this many roundings are explained by rounding if results have no more digits than single precision: sums cancel.
-const MAX_ROUNDINGS_OF_FEW_DIGITS: f64 = 64.0;
+const MAX_FEW_DIGIT_ROUNDINGS: f64 = 64.0;
 
 /// Rows that differ twice in another order, at least.
-const MIN_ROWS_CHANGED_BY_ORDER: usize = 3;
+const MIN_ORDERED_ROWS: usize = 3;
 
 /// Results that depend on chance, or on the batch by rounding.
 #[derive(Clone, Debug, PartialEq)]
@@ -148,7 +148,7 @@ pub(in crate::diagnosis::checks) fn check_again(
     let orders = |repeats: &Repeats| -> Vec<Vec<usize>> {
         let reversed: Vec<usize> = (0..repeats.before.samples()).rev().collect();
         reversed
-            .chunks(STATES_OF_REPEATED_BATCH)
+            .chunks(BATCH_STATES)
             .map(<[usize]>::to_vec)
             .collect()
     };
@@ -232,13 +232,10 @@ fn explain(
         }
     };
     let unexplained = || {
-        let tolerances = sizes
-            .iter()
-            .map(|size| MAX_DEVIATIONS_OF_SCATTER * size)
-            .collect();
+        let tolerances = sizes.iter().map(|size| MAX_DEVIATIONS * size).collect();
         chance(sizes.clone(), tolerances)
     };
-    if states < 2 || !affords(2 * MAX_EVALUATIONS_OF_ROUNDING + scatter::evaluations(states)) {
+    if states < 2 || !affords(2 * MAX_EVALUATIONS + scatter::evaluations(states)) {
         return unexplained();
     }
     let other = (worst.state + states / 2) % states;
@@ -251,10 +248,7 @@ fn explain(
     match repetitions(evaluator, repeats, worst.state, &tolerances)? {
         Repetitions::Depend(dependence) => return Err(depends(worst, dependence)),
         Repetitions::Scatter(scatters) => {
-            let explained: Vec<f64> = scatters
-                .iter()
-                .map(|size| MAX_DEVIATIONS_OF_SCATTER * size)
-                .collect();
+            let explained: Vec<f64> = scatters.iter().map(|size| MAX_DEVIATIONS * size).collect();
             raise(&mut tolerances, &explained);
             if worst.size <= explained[worst.coordinate] {
                 return chance(scatters, tolerances);
@@ -276,7 +270,7 @@ fn explain(
 }
 
 /// Evaluations of [`roundings_inside`], at most.
-const MAX_EVALUATIONS_OF_ROUNDING: usize = 16;
+const MAX_EVALUATIONS: usize = 16;
 
 /// The state whose results differ most.
 fn largest(differing: &[Mismatch]) -> Option<Mismatch> {
@@ -306,7 +300,7 @@ fn exceed_rounding(repeats: &Repeats, sizes: &[f64]) -> bool {
     let single = 0.5f64.powi(BITS_OF_SINGLE as i32);
     let unit = repeats.unit_of_results();
     let bar = match unit > single {
-        true => MAX_ROUNDINGS_OF_FEW_DIGITS * unit,
+        true => MAX_FEW_DIGIT_ROUNDINGS * unit,
         false => MAX_ROUNDINGS_OF_SINGLE * single,
     };
     (0..sizes.len()).any(|c| sizes[c] > bar * repeats.magnitude(c))
@@ -372,7 +366,7 @@ fn follows_order(
         twice += of(&|[first, second], tolerance| is_about(first, second, tolerance));
     }
     // Rare noise hits few rows twice.
-    Ok(twice >= MIN_ROWS_CHANGED_BY_ORDER && 2 * twice >= once)
+    Ok(twice >= MIN_ORDERED_ROWS && 2 * twice >= once)
 }
 
 /// Whether the results of a batch settle if it follows its reverse again and again, and differ, twice alike, if it follows itself. Results

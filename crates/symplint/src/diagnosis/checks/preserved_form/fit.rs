@@ -3,8 +3,8 @@
 use nalgebra::DMatrix;
 
 use super::limits::{
-    MAX_DEGREE_OF_FIELD, MAX_RELATIVE_ERROR, MAX_ZERO_ENTRY, MIN_ENTRY_NEAR_ONE,
-    MIN_RELATIVE_HALF_WIDTH, MIN_SINGULAR_VALUE_OF_FORM, ROUNDS_OF_UNITS,
+    MAX_DEGREE, MAX_RELATIVE_ERROR, MAX_ZERO_ENTRY, MIN_ENTRY_NEAR_ONE, MIN_SINGULAR_VALUE,
+    MIN_WIDTH, UNIT_ROUNDS,
 };
 use super::null_space::{Equations, NullSpace, Solutions};
 use crate::evidence::monomial;
@@ -197,7 +197,7 @@ fn equations(images: &[TangentImages], coordinates: &[usize], terms: &[Term]) ->
         let (xa, ya, ea, fa) = (along(&after, x), along(&after, y), error(e), error(f));
         let value = xa * y[b] - x[b] * ya - (ux * v[b] - u[b] * vy);
         let terms = (xa * y[b]).abs() + (x[b] * ya).abs() + (ux * v[b]).abs();
-        let rounding = MIN_RELATIVE_HALF_WIDTH * (terms + (u[b] * vy).abs());
+        let rounding = MIN_WIDTH * (terms + (u[b] * vy).abs());
         let of_first = ea * (y[b].abs() + f[b]) + xa.abs() * f[b];
         let of_second = e[b] * (ya.abs() + fa) + x[b].abs() * fa;
         (value, of_first + of_second + rounding + f64::MIN_POSITIVE)
@@ -225,13 +225,9 @@ fn weights(images: &[TangentImages], dof: usize, coordinates: &[usize]) -> Fit {
     let largest = norms.iter().copied().fold(0.0, f64::max);
     let mut units: Vec<f64> = norms
         .iter()
-        .map(|norm| {
-            (norm / largest)
-                .recip()
-                .min(1.0 / MIN_SINGULAR_VALUE_OF_FORM)
-        })
+        .map(|norm| (norm / largest).recip().min(1.0 / MIN_SINGULAR_VALUE))
         .collect();
-    for _ in 0..ROUNDS_OF_UNITS {
+    for _ in 0..UNIT_ROUNDS {
         let space = match equations.solve(&units) {
             Solutions::Space(space) => space,
             Solutions::None { residual } => return Fit::None { change: residual },
@@ -268,7 +264,7 @@ fn weights(images: &[TangentImages], dof: usize, coordinates: &[usize]) -> Fit {
             return Fit::Preserved((0..terms.len()).map(entry).collect());
         }
         for (unit, factor) in units.iter_mut().zip(factors) {
-            *unit *= factor.abs().max(MIN_SINGULAR_VALUE_OF_FORM);
+            *unit *= factor.abs().max(MIN_SINGULAR_VALUE);
         }
     }
     Fit::Open
@@ -283,7 +279,7 @@ fn general(images: &[TangentImages], dof: usize, coordinates: &[usize]) -> Fit {
     let equations = equations(images, coordinates, &terms);
     let place = |c: usize| coordinates.iter().position(|of| *of == c).unwrap_or(0);
     let mut scale = vec![1.0; coordinates.len()];
-    for round in 0..ROUNDS_OF_UNITS {
+    for round in 0..UNIT_ROUNDS {
         let units: Vec<f64> = (pairs.iter())
             .map(|&(a, b)| scale[place(a)] * scale[place(b)])
             .collect();
@@ -312,11 +308,11 @@ fn general(images: &[TangentImages], dof: usize, coordinates: &[usize]) -> Fit {
         };
         let largest = |k: usize| matrix(&form).row(k).amax();
         let factors: Vec<f64> = (0..coordinates.len()).map(largest).collect();
-        if factors.iter().all(|x| *x >= MIN_ENTRY_NEAR_ONE) || round + 1 == ROUNDS_OF_UNITS {
+        if factors.iter().all(|x| *x >= MIN_ENTRY_NEAR_ONE) || round + 1 == UNIT_ROUNDS {
             return Fit::Preserved(entries(&form, &space, &terms, &units));
         }
         for (scale, factor) in scale.iter_mut().zip(factors) {
-            *scale *= factor.sqrt().max(MIN_SINGULAR_VALUE_OF_FORM);
+            *scale *= factor.sqrt().max(MIN_SINGULAR_VALUE);
         }
     }
     Fit::Open
@@ -348,7 +344,7 @@ pub(super) fn with_field(images: &[TangentImages], dof: usize) -> Fit {
     let is_form = |form: &Vec<f64>| {
         form[..dof]
             .iter()
-            .all(|weight| weight.abs() > MIN_SINGULAR_VALUE_OF_FORM)
+            .all(|weight| weight.abs() > MIN_SINGULAR_VALUE)
     };
     match candidates(&space, &canonical).into_iter().find(is_form) {
         Some(form) => Fit::Preserved(entries(&form, &space, &terms, &units)),
@@ -358,10 +354,10 @@ pub(super) fn with_field(images: &[TangentImages], dof: usize) -> Fit {
 
 /// All powers of the first coordinates of at most the largest degree.
 fn powers(dof: usize) -> impl Iterator<Item = [u8; 3]> {
-    let up_to = move |i: usize| 0..=if i < dof { MAX_DEGREE_OF_FIELD } else { 0 };
+    let up_to = move |i: usize| 0..=if i < dof { MAX_DEGREE } else { 0 };
     let all =
         up_to(0).flat_map(move |a| up_to(1).flat_map(move |b| up_to(2).map(move |c| [a, b, c])));
-    all.filter(|powers| powers.iter().sum::<u8>() <= MAX_DEGREE_OF_FIELD)
+    all.filter(|powers| powers.iter().sum::<u8>() <= MAX_DEGREE)
 }
 
 /// The terms of a form that are not 0.
@@ -394,7 +390,7 @@ pub(super) fn are_equal(images: &[TangentImages]) -> bool {
             .zip(pair[1].errors.iter().flatten());
         let mut both = values.zip(errors);
         both.all(|((a, b), (of_a, of_b))| {
-            (a - b).abs() <= of_a + of_b + MIN_RELATIVE_HALF_WIDTH * (a.abs() + b.abs())
+            (a - b).abs() <= of_a + of_b + MIN_WIDTH * (a.abs() + b.abs())
         })
     })
 }
@@ -424,5 +420,5 @@ fn is_degenerate(matrix: &DMatrix<f64>) -> bool {
         return true;
     }
     let singular = matrix.clone().singular_values();
-    singular.min() <= MIN_SINGULAR_VALUE_OF_FORM * singular.max()
+    singular.min() <= MIN_SINGULAR_VALUE * singular.max()
 }

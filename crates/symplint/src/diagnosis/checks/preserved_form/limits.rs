@@ -20,34 +20,34 @@ pub(super) const STATES: usize = 3;
 pub(super) const EXTRA_VECTORS: usize = 4;
 
 /// The largest degree of a field B(q), and the degrees of freedom in which fields are tried. Derived: 29 unknowns in three dimensions.
-pub(super) const MAX_DEGREE_OF_FIELD: u8 = 2;
+pub(super) const MAX_DEGREE: u8 = 2;
 pub(super) const DOFS_OF_FIELD: std::ops::RangeInclusive<usize> = 2..=3;
 
 /// Half the width of the interval in which a product of components lies at least, relative. Calibrated: the residual of stages that are
 /// solved to round-off makes as much, and no trial of a tangent map shows it.
-pub(super) const MIN_RELATIVE_HALF_WIDTH: f64 = 2e-13;
+pub(super) const MIN_WIDTH: f64 = 2e-13;
 
 /// Rounds in which units are found in which all entries of the form are near 1. Derived: one repairs half of the decades.
-pub(super) const ROUNDS_OF_UNITS: usize = 6;
+pub(super) const UNIT_ROUNDS: usize = 6;
 
 /// Entries between this and its inverse are near 1.
 pub(super) const MIN_ENTRY_NEAR_ONE: f64 = 0.25;
 
 /// A form is degenerate if its smallest singular value is this part of the largest one in those units. It is also the smallest factor of a
 /// unit in one round.
-pub(super) const MIN_SINGULAR_VALUE_OF_FORM: f64 = 1e-6;
+pub(super) const MIN_SINGULAR_VALUE: f64 = 1e-6;
 
 /// An entry that is not known to this part of itself is not named. Conventional: three digits.
 pub(super) const MAX_RELATIVE_ERROR: f64 = 1e-3;
 
 /// The same before loops refine it.
-pub(super) const MAX_RELATIVE_ERROR_OF_JACOBIAN: f64 = 0.1;
+pub(super) const MAX_JACOBIAN_ERROR: f64 = 0.1;
 
 /// An entry of a form is 0 if it is at most this many times its error, or this part of the largest one in its units.
 pub(super) const MAX_ZERO_ENTRY: (f64, f64) = (5.0, 1e-9);
 
 /// More samples are not taken if the change of a loop integral is known to this. Derived: a few hundred roundings.
-pub(super) const MAX_ERROR_OF_RESOLVED_LOOP: f64 = 1e-13;
+pub(super) const MAX_LOOP_ERROR: f64 = 1e-13;
 
 /// More samples of a loop help if they made the uncertainty of its integral fall by this factor. Conventional: those of a smooth loop make
 /// it fall by far more, noise by √2.

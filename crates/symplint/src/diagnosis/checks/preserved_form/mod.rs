@@ -11,7 +11,7 @@ mod rounded;
 use fit::{Entry, Fit, Term};
 use limits::{
     DOFS_OF_FIELD, EXTRA_VECTORS, MAX_DOF_OF_ALL_FORMS, MAX_DOF_OF_WEIGHTS, MAX_EVALUATIONS,
-    MAX_RELATIVE_ERROR, MAX_RELATIVE_ERROR_OF_JACOBIAN, MAX_SAMPLES, SEED_OF_REFINING, STATES,
+    MAX_JACOBIAN_ERROR, MAX_RELATIVE_ERROR, MAX_SAMPLES, SEED_OF_REFINING, STATES,
 };
 use on_loops::AdvancedLoop;
 
@@ -129,7 +129,7 @@ impl Runner<'_> {
                 && fit::holds(images, dof, &rounded::in_units(entries, &size))
         };
         let exact = rounded::in_coordinates(of_fit, &size);
-        if !is_known(&exact, MAX_RELATIVE_ERROR_OF_JACOBIAN) {
+        if !is_known(&exact, MAX_JACOBIAN_ERROR) {
             return Ok(None);
         }
         let chosen = rounded::rounded(&exact, dof, None);

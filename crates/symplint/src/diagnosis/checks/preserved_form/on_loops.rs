@@ -1,6 +1,6 @@
 //! Loop integrals of a closed two-form: ∮ Σ Ω_ab z_a dz_b, with polynomials in q instead of z_a if it varies.
 
-use super::limits::{MAX_ERROR_OF_RESOLVED_LOOP, MIN_GAIN_OF_DOUBLING};
+use super::limits::{MAX_LOOP_ERROR, MIN_GAIN_OF_DOUBLING};
 use crate::error::Error;
 use crate::evidence::{FormEntry, FormOnLoop, monomial};
 use crate::loops::FEW_SAMPLES;
@@ -94,8 +94,7 @@ pub(super) fn change(
         let of = |form| advanced.change(form, coordinates);
         let found = of(&canonical).zip(of(form));
         let uncertainty = (found.as_ref()).map_or(f64::MAX, |of| of.1.relative()[1]);
-        let is_enough =
-            uncertainty < MAX_ERROR_OF_RESOLVED_LOOP || uncertainty > last / MIN_GAIN_OF_DOUBLING;
+        let is_enough = uncertainty < MAX_LOOP_ERROR || uncertainty > last / MIN_GAIN_OF_DOUBLING;
         if is_enough || 2 * advanced.before.samples() > most {
             return Ok(found.map(|(canonical, preserved)| FormOnLoop {
                 loop_index,

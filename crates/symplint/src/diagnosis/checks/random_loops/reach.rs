@@ -3,7 +3,7 @@
 use super::loop_of_kind;
 use crate::diagnosis::checks::{GivenLoop, Runner, if_possible};
 use crate::diagnosis::limits::{
-    FACTOR_OF_LARGER_LOOPS, MAX_HALVINGS_OF_LARGER_STEP, MAX_LARGER_LOOPS, SAMPLES_PER_STEP_SIZE,
+    FACTOR_OF_LARGER_LOOPS, MAX_HALVINGS, MAX_LARGER_LOOPS, SAMPLES_PER_STEP_SIZE,
 };
 use crate::diagnosis::resolve::initial_samples::InitialSamples;
 use crate::diagnosis::step_sizes::step_sizes;
@@ -61,7 +61,7 @@ impl Runner<'_> {
         let start = self.largest * octaves.max(0.0).exp2();
         let largest = step_sizes(subject, start)?.first().copied();
         let mut h = largest.unwrap_or(self.largest);
-        for _ in 0..MAX_HALVINGS_OF_LARGER_STEP {
+        for _ in 0..MAX_HALVINGS {
             if h.abs() <= self.largest.abs() {
                 break;
             }
