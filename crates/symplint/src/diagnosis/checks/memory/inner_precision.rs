@@ -57,26 +57,15 @@ pub(super) fn rounding_inside(subject: Subject<'_>, h: f64) -> Result<Option<Vec
     let Some(grain) = grain else {
         return Ok(None);
     };
-    let mut forward = vec![stairs(
-        subject,
-        h,
-        &SITES[..FIRST_SITES],
-        &units,
-        |point| point,
-    )?];
+    let (first, others) = SITES.split_at(FIRST_SITES);
+    let mut forward = vec![stairs(subject, h, first, &units, |point| point)?];
     let mut noise = noise(subject, &forward[0]);
     let shows = |c: usize, noise: f64| noise > NOISE_RANGE[0] * grain.of_coordinate(c);
     let any = |of: &[f64]| (of.iter().enumerate()).any(|(c, &noise)| shows(c, noise));
     if !noise.iter().any(|of_site| any(of_site)) {
         return Ok(None);
     }
-    forward.push(stairs(
-        subject,
-        h,
-        &SITES[FIRST_SITES..],
-        &units,
-        |point| point,
-    )?);
+    forward.push(stairs(subject, h, others, &units, |point| point)?);
     noise.extend(self::noise(subject, &forward[1]));
     let is_single = |c: usize| {
         let noisy = noise.iter().filter(|of_site| shows(c, of_site[c])).count();
@@ -123,10 +112,8 @@ fn in_other_order(
 ) -> Result<Vec<f64>, Error> {
     let reversed = |point: usize| OFFSETS.len() - 1 - point;
     let mut sums = vec![0.0; units.len()];
-    for (sites, there) in [&SITES[..FIRST_SITES], &SITES[FIRST_SITES..]]
-        .into_iter()
-        .zip(forward)
-    {
+    let (first, others) = SITES.split_at(FIRST_SITES);
+    for (sites, there) in [first, others].into_iter().zip(forward) {
         let back = stairs(subject, h, sites, units, reversed)?;
         for (c, sum) in sums.iter_mut().enumerate() {
             let (there, back) = (coordinate(there, c), coordinate(&back, c));
