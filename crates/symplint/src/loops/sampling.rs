@@ -56,14 +56,32 @@ impl Ensemble {
     ) -> Result<Self, Error> {
         Self::check_size(phase_loop.dof(), count)?;
         let mut ensemble = Self::zeros(phase_loop.dof(), count);
-        let width = Self::block_width(ensemble.dof());
+        ensemble.put_samples(phase_loop, first, at)?;
+        Ok(ensemble)
+    }
+
+    /// Replaces all states by the [samples](Self::sample) of a loop with as many degrees of freedom.
+    ///
+    /// # Errors
+    /// If the loop is not finite somewhere.
+    pub(crate) fn resample(&mut self, phase_loop: &dyn Loop) -> Result<(), Error> {
+        let samples = self.samples();
+        self.put_samples(phase_loop, 0, |k| k as f64 / samples as f64)
+    }
+
+    fn put_samples(
+        &mut self,
+        phase_loop: &dyn Loop,
+        first: usize,
+        at: impl Fn(usize) -> f64 + Sync,
+    ) -> Result<(), Error> {
+        let width = Self::block_width(self.dof());
         let each = |(b, mut block): (usize, Block<'_>)| {
             block.gathered(|block| sample_block(phase_loop, &at, first + b * width, block))
         };
-        let numbers = 2 * phase_loop.dof() * width;
-        let blocks = ensemble.blocks().into_iter().enumerate();
-        first_error(in_parallel(blocks, numbers, each))?;
-        Ok(ensemble)
+        let numbers = 2 * self.dof() * width;
+        let blocks = self.blocks().into_iter().enumerate();
+        first_error(in_parallel(blocks, numbers, each))
     }
 }
 

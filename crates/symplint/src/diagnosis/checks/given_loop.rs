@@ -31,8 +31,8 @@ impl Runner<'_> {
             most_samples: self.plan.most_samples(diagnostic, budget, left),
             allowance: left / DIVISOR_OF_RESERVE * (DIVISOR_OF_RESERVE - 1),
         };
-        let probe = diagnostic.resolve(subject, &with, &mut look)?;
         let samples = &mut InitialSamples::new(subject);
+        let probe = diagnostic.resolve(samples, &with, &mut look)?;
         let judged = probe.measure(samples, self.largest, &mut look)?;
         let cost = judged.evaluations.max(1);
         let seen = match seen {

@@ -52,9 +52,9 @@ impl Runner<'_> {
                 let advanced = of_samples.measure_samples(&refined.after, h)?;
                 (of_samples, advanced)
             } else {
-                let of_samples = Probe::new(subject, probe.rule, samples)?;
-                let known =
-                    of_samples.measure(&mut InitialSamples::new(subject), h, &mut |_| {})?;
+                let initial = &mut InitialSamples::new(subject);
+                let of_samples = Probe::new(initial, probe.rule, samples)?;
+                let known = of_samples.measure(initial, h, &mut |_| {})?;
                 (of_samples, known.advanced)
             };
             let known = StepMeasurement {

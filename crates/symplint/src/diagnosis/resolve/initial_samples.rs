@@ -11,7 +11,7 @@ use crate::state::{Ensemble, SMALL_MEMORY, coordinate, copy_samples};
 /// Samples are made once where they are kept. Larger ones would double the memory of a sweep: each block of
 /// them is made again just before it is advanced.
 pub(in crate::diagnosis) struct InitialSamples<'a> {
-    subject: Subject<'a>,
+    pub subject: Subject<'a>,
     ensembles: Option<Ensembles>,
 }
 
@@ -52,6 +52,24 @@ impl<'a> InitialSamples<'a> {
             None => Ensembles::new(self.subject, samples)?,
         };
         Ok(self.ensembles.insert(held))
+    }
+
+    /// `samples` samples before a step.
+    ///
+    /// # Errors
+    /// Those of making them.
+    pub fn before(&mut self, samples: usize) -> Result<&Ensemble, Error> {
+        let phase_loop = self.subject.phase_loop;
+        match self.of(samples)? {
+            Ensembles {
+                before: Some(before),
+                ..
+            } => Ok(before),
+            Ensembles { after: anew, .. } => {
+                anew.resample(phase_loop)?;
+                Ok(anew)
+            }
+        }
     }
 
     /// The images of `samples` samples after a step of size `h`.
@@ -139,7 +157,7 @@ mod tests {
         let count = EvaluationCount::unlimited();
         let evaluator = Evaluator::new(&map, &count).unwrap();
         // The last is too large to be kept, and no multiple of a block.
-        for (samples, makings) in [(48, 1), (1024, 1), (7_501, 3)] {
+        for (samples, makings) in [(48, 1), (1024, 1), (7_501, 6)] {
             let counted = Counted(circle.clone(), AtomicUsize::new(0));
             for threads in [1, 2] {
                 counted.1.store(0, Ordering::Relaxed);
@@ -150,9 +168,10 @@ mod tests {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
                 pool.build().unwrap().install(|| {
                     for h in [0.5, 0.25, 0.5] {
-                        let after = initial.advanced(samples, h).unwrap();
                         let mut anew = Ensemble::sample(&circle, samples).unwrap();
+                        assert!(*initial.before(samples).unwrap() == anew);
                         anew.advance(&map, h).unwrap();
+                        let after = initial.advanced(samples, h).unwrap();
                         for i in 0..DOF {
                             assert!(after.q().row(i) == anew.q().row(i));
                             assert!(after.p().row(i) == anew.p().row(i));

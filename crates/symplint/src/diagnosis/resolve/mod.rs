@@ -40,18 +40,19 @@ impl Diagnostic {
     /// `look` is shown the samples after the step.
     pub(in crate::diagnosis) fn resolve<'a>(
         &self,
-        subject: Subject<'a>,
+        initial: &mut InitialSamples<'a>,
         with: &Resolution<'_>,
         look: &mut dyn FnMut(&Ensemble),
     ) -> Result<Probe<'a>, Error> {
+        let subject = initial.subject;
         let dof = subject.dof();
         let first = with.plan.first_samples;
         match self.rule {
             Rule::Auto if self.must_stream(dof) => {
                 let rule = Rule::Streaming(self.streaming);
-                self.streamed(subject, rule, with, first)
+                self.streamed(initial, rule, with, first)
             }
-            Rule::Streaming(_) => self.streamed(subject, self.rule, with, first),
+            Rule::Streaming(_) => self.streamed(initial, self.rule, with, first),
             Rule::Piecewise(piecewise) => {
                 let of_pieces = with.allowance.saturating_sub(first);
                 let rule = Rule::Piecewise(Piecewise {
@@ -59,7 +60,7 @@ impl Diagnostic {
                     most_evaluations: piecewise.most_evaluations.min(of_pieces),
                     ..piecewise
                 });
-                self.measured(Probe::new(subject, rule, first)?, with, look)
+                self.measured(initial, rule, first, with, look)
             }
             _ => {
                 let (fewest, most) = match self.samples {
@@ -71,7 +72,7 @@ impl Diagnostic {
                 };
                 let auto = self.rule == Rule::Auto;
                 if !auto && 2 * fewest > most {
-                    return self.measured(Probe::new(subject, self.rule, fewest)?, with, look);
+                    return self.measured(initial, self.rule, fewest, with, look);
                 }
                 let mut refined = match self.samples {
                     SampleCount::Auto => {
@@ -97,14 +98,17 @@ impl Diagnostic {
         }
     }
 
-    /// The probe with its step measured.
+    /// A probe with its step measured.
     fn measured<'a>(
         &self,
-        probe: Probe<'a>,
+        initial: &mut InitialSamples<'a>,
+        rule: Rule,
+        samples: usize,
         with: &Resolution<'_>,
         look: &mut dyn FnMut(&Ensemble),
     ) -> Result<Probe<'a>, Error> {
-        let known = probe.measure(&mut InitialSamples::new(probe.subject), with.h, look)?;
+        let probe = Probe::new(initial, rule, samples)?;
+        let known = probe.measure(initial, with.h, look)?;
         Ok(probe.knowing(known.h, known.advanced, known.evaluations))
     }
 
@@ -328,23 +332,23 @@ impl Diagnostic {
     /// The streaming rule, samples doubled from `from` where their number is not given.
     fn streamed<'a>(
         &self,
-        subject: Subject<'a>,
+        initial: &mut InitialSamples<'a>,
         rule: Rule,
         with: &Resolution<'_>,
         from: usize,
     ) -> Result<Probe<'a>, Error> {
         let mut nothing_to_see = |_: &Ensemble| {};
         if let SampleCount::Fixed(_) = self.samples {
-            let probe = Probe::new(subject, rule, with.plan.first_samples)?;
-            return self.measured(probe, with, &mut nothing_to_see);
+            let samples = with.plan.first_samples;
+            return self.measured(initial, rule, samples, with, &mut nothing_to_see);
         }
+        let subject = initial.subject;
         let most = most_streamed(subject.dof(), from);
         let count = subject.evaluator.count();
         let start = count.made();
         let (mut samples, mut convergence) = (from, Convergence::new());
         loop {
-            let probe = Probe::new(subject, rule, samples)?;
-            let probe = self.measured(probe, with, &mut nothing_to_see)?;
+            let probe = self.measured(initial, rule, samples, with, &mut nothing_to_see)?;
             let known = probe.known(with.h).expect("it was just measured");
             let standing = convergence.proceed(&known.advanced, probe.of_rounding());
             let spent = count.made() - start;

@@ -34,14 +34,17 @@ pub(in crate::diagnosis) struct StepMeasurement {
 
 impl<'a> Probe<'a> {
     /// By this rule, from this number of samples.
-    pub fn new(subject: Subject<'a>, rule: Rule, samples: usize) -> Result<Self, Error> {
-        match rule.integrator().keeps_samples() {
-            true => {
-                let before = Ensemble::sample(subject.phase_loop, samples)?;
-                Self::with(subject, rule, Samples::Kept(&before))
-            }
-            false => Self::with(subject, rule, Samples::Count(samples)),
-        }
+    pub fn new(
+        initial: &mut InitialSamples<'a>,
+        rule: Rule,
+        samples: usize,
+    ) -> Result<Self, Error> {
+        let subject = initial.subject;
+        let samples = match rule.integrator().keeps_samples() {
+            true => Samples::Kept(initial.before(samples)?),
+            false => Samples::Count(samples),
+        };
+        Self::with(subject, rule, samples)
     }
 
     /// The same from samples that are there.

@@ -65,8 +65,8 @@ pub(super) fn defects(
                 ..subject
             };
             let name = subject.evaluator.substep_name(substep);
-            let probe = Probe::new(subject, rule, samples)?;
-            let known = probe.measure(&mut InitialSamples::new(subject), h, &mut |_| {})?;
+            let initial = &mut InitialSamples::new(subject);
+            let known = Probe::new(initial, rule, samples)?.measure(initial, h, &mut |_| {})?;
             let measured = known.advanced;
             let defect = measured
                 .closed

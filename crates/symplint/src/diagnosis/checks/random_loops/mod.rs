@@ -298,10 +298,10 @@ impl Runner<'_> {
     /// it shows, and how the loop moves.
     pub(super) fn resolved<'s>(
         &self,
-        subject: Subject<'s>,
         samples: &mut InitialSamples<'s>,
         h: f64,
     ) -> Result<(Probe<'s>, StepMeasurement, Option<Motion>), Error> {
+        let subject = samples.subject;
         subject.evaluator.begin_loop();
         let left = self.left();
         let with = Resolution {
@@ -318,7 +318,7 @@ impl Runner<'_> {
         };
         let mut seen = None;
         let mut look = |after: &Ensemble| seen = Some(survey::of_samples(subject, after));
-        let probe = self.diagnostic.resolve(subject, &with, &mut look)?;
+        let probe = self.diagnostic.resolve(samples, &with, &mut look)?;
         let known = probe.measure(samples, h, &mut look)?;
         Ok((probe, known, seen.and_then(|seen| seen.motion)))
     }
@@ -332,7 +332,7 @@ impl Runner<'_> {
     ) -> Result<(), Error> {
         let diagnostic = self.diagnostic;
         let samples = &mut InitialSamples::new(subject);
-        let (probe, first, motion) = self.resolved(subject, samples, self.largest)?;
+        let (probe, first, motion) = self.resolved(samples, self.largest)?;
         (self.watch)(Event::Planned(1));
         self.evidence.loops.push(probe.described(other.evidence())?);
         self.record(other.index, Sweep::StepSize, &probe, &first);

@@ -117,7 +117,7 @@ impl Runner<'_> {
             phase_loop: &subject.evaluator.on_manifold(random),
             ..subject
         };
-        match self.resolved(subject, &mut InitialSamples::new(subject), h) {
+        match self.resolved(&mut InitialSamples::new(subject), h) {
             Ok((probe, known, motion)) => {
                 let mut step = probe.evidence(&known);
                 step.motion = motion;
