@@ -140,17 +140,23 @@ pub(crate) fn find_break_in(
 
 /// Whether q and p of each degree of freedom may jump. Rows that cannot have no [`suspects`] and no [`little_jumps`].
 pub(crate) fn rows_that_may_jump(ensemble: &Ensemble, coordinates: &Coordinates) -> Vec<[bool; 2]> {
+    let of_dof = |dof: usize| dof_may_jump(ensemble, coordinates, dof);
+    in_parallel(0..ensemble.dof(), 2 * ensemble.samples(), of_dof)
+}
+
+/// The same of one degree of freedom.
+pub(crate) fn dof_may_jump(
+    ensemble: &Ensemble,
+    coordinates: &Coordinates,
+    dof: usize,
+) -> [bool; 2] {
     let of_row = |row: &[f64], period: f64| {
         wraps(row, period) || may_jump(row, rounding(UNIT_ROUNDOFF * largest(row)))
     };
-    let of_dof = |dof: usize| {
-        let (q, p) = (ensemble.q().row(dof), ensemble.p().row(dof));
-        [
-            of_row(q, coordinates.period(dof)),
-            of_row(p, coordinates.momentum_period(dof)),
-        ]
-    };
-    in_parallel(0..ensemble.dof(), 2 * ensemble.samples(), of_dof)
+    [
+        of_row(ensemble.q().row(dof), coordinates.period(dof)),
+        of_row(ensemble.p().row(dof), coordinates.momentum_period(dof)),
+    ]
 }
 
 /// The first break among `suspects`: these are cells between `samples` samples, which may be `known`.

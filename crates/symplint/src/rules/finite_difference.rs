@@ -6,7 +6,7 @@ use super::RowIntegral;
 use crate::error::Error;
 use crate::signal::{CompensatedSum, UNIT_ROUNDOFF, largest, unwrap_row, wraps};
 use crate::state::scratch::with_buffer;
-use crate::state::{Coordinates, Rows, in_parallel};
+use crate::state::{Coordinates, Rows};
 
 /// The slope above which a cell counts as a jump and is left out.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -348,13 +348,13 @@ fn integrate(q: &[f64], gain: f64, p: &[f64], cutoffs: &Cutoffs) -> RowIntegral 
     }
 }
 
-pub(super) fn rows(
-    q: Rows<'_>,
-    p: Rows<'_>,
-    coordinates: &Coordinates,
-    cutoffs: &Cutoffs,
-) -> Vec<RowIntegral> {
-    let of_row = |i: usize| {
+pub(super) fn of_rows<'a>(
+    q: Rows<'a>,
+    p: Rows<'a>,
+    coordinates: &'a Coordinates,
+    cutoffs: &'a Cutoffs,
+) -> impl Fn(usize) -> RowIntegral + Sync + 'a {
+    move |i| {
         let (q, p, period) = (q.row(i), p.row(i), coordinates.period(i));
         if !wraps(q, period) {
             return integrate(q, 0.0, p, cutoffs);
@@ -364,8 +364,7 @@ pub(super) fn rows(
             let winding = unwrap_row(unwrapped, period);
             integrate(unwrapped, winding as f64 * period, p, cutoffs)
         })
-    };
-    in_parallel(0..q.count(), 2 * q.len(), of_row)
+    }
 }
 
 #[cfg(test)]

@@ -27,7 +27,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::Error;
 use crate::signal::CompensatedSum;
-use crate::state::{Coordinates, Ensemble, Rows, first_not_finite};
+use crate::state::{Coordinates, Ensemble, Rows, first_not_finite, in_parallel};
 
 /// How ∮ p·dq is computed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -218,9 +218,21 @@ impl LoopIntegral {
         rule: &Rule,
         coordinates: &Coordinates,
     ) -> Result<Self, Error> {
+        let integrated = Self::looking(ensemble, rule, coordinates, |_| ());
+        integrated.map(|(integral, _)| integral)
+    }
+
+    /// The same, and what `look` returns for each degree of freedom: it reads the rows just before they are integrated.
+    pub(crate) fn looking<T: Send>(
+        ensemble: &Ensemble,
+        rule: &Rule,
+        coordinates: &Coordinates,
+        look: impl Fn(usize) -> T + Sync,
+    ) -> Result<(Self, Vec<T>), Error> {
         Error::check_length("coordinates", ensemble.dof(), coordinates.dof())?;
         let (unwrapped, winding) = ensemble.unwrap_momenta(coordinates);
-        Self::of_unwrapped(unwrapped.q(), unwrapped.p(), rule, coordinates, &winding)
+        let (q, p) = (unwrapped.q(), unwrapped.p());
+        Self::of_unwrapped(q, p, rule, coordinates, &winding, look)
     }
 
     /// The same of rows in the memory of the caller, one for each degree of freedom, which is read and not copied.
@@ -248,27 +260,28 @@ impl LoopIntegral {
         {
             return Err(error);
         }
-        let found = Self::of_unwrapped(q, p, rule, coordinates, &[]);
-        found.map_err(|error| not_finite().unwrap_or(error))
+        let found = Self::of_unwrapped(q, p, rule, coordinates, &[], |_| ());
+        (found.map(|(integral, _)| integral)).map_err(|error| not_finite().unwrap_or(error))
     }
 
     /// Of rows whose momenta are not periodic or were unwrapped; in some degrees of freedom they or the positions wind.
-    fn of_unwrapped(
+    fn of_unwrapped<T: Send>(
         q: Rows<'_>,
         p: Rows<'_>,
         rule: &Rule,
         coordinates: &Coordinates,
         winding: &[usize],
-    ) -> Result<Self, Error> {
+        look: impl Fn(usize) -> T + Sync,
+    ) -> Result<(Self, Vec<T>), Error> {
         if q.len() < 3 {
             return Err(Error::TooFewSamples { samples: q.len() });
         }
-        let mut rows = match rule {
-            Rule::Auto => pseudospectral::rows(q, p, coordinates, true),
-            Rule::Pseudospectral => pseudospectral::rows(q, p, coordinates, false),
+        let integrate: Box<dyn Fn(usize) -> RowIntegral + Sync> = match rule {
+            Rule::Auto => Box::new(pseudospectral::of_rows(q, p, coordinates, true)),
+            Rule::Pseudospectral => Box::new(pseudospectral::of_rows(q, p, coordinates, false)),
             Rule::FiniteDifference(cutoffs) => {
                 cutoffs.check()?;
-                finite_difference::rows(q, p, coordinates, cutoffs)
+                Box::new(finite_difference::of_rows(q, p, coordinates, cutoffs))
             }
             Rule::Piecewise(_) | Rule::Streaming(_) => {
                 return Err(Error::NeedsMap {
@@ -276,6 +289,8 @@ impl LoopIntegral {
                 });
             }
         };
+        let rows = in_parallel(0..q.count(), 2 * q.len(), |dof| (look(dof), integrate(dof)));
+        let (looks, mut rows): (Vec<T>, Vec<RowIntegral>) = rows.into_iter().unzip();
         for &dof in winding {
             rows[dof].quadrature_error = None;
         }
@@ -287,7 +302,7 @@ impl LoopIntegral {
                 return Err(Error::Overflow { dof, value });
             }
         }
-        Ok(Self::sum(rows, coordinates, rule))
+        Ok((Self::sum(rows, coordinates, rule), looks))
     }
 
     /// Adds the degrees of freedom in their order, independently of the thread that computed them.

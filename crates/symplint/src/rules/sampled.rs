@@ -5,7 +5,7 @@ use multiversion::multiversion;
 use super::{
     Defect, LoopAfterStep, LoopIntegral, LoopIntegrator, Rule, RuleKind, Samples, Subject,
 };
-use crate::breaks::{Break, Search, find_break_in, little_jumps, rows_that_may_jump};
+use crate::breaks::{Break, Search, dof_may_jump, find_break_in, little_jumps};
 use crate::error::Error;
 use crate::signal::Extent;
 use crate::state::{Coordinates, Ensemble};
@@ -30,8 +30,11 @@ impl LoopIntegrator for SampledRule {
         initial: &LoopIntegral,
     ) -> Result<LoopAfterStep, Error> {
         let after = samples.kept();
-        let Jumps { found, little } = jumps(subject, h, after)?;
-        let mut integral = self.before(subject, samples)?;
+        let coordinates = subject.coordinates();
+        // A row is looked at and integrated while it is in the cache.
+        let look = |dof| dof_may_jump(after, coordinates, dof);
+        let (mut integral, rows) = LoopIntegral::looking(after, &self.0, coordinates, look)?;
+        let Jumps { found, little } = jumps(subject, h, after, &rows)?;
         integral.quadrature_error = match (&found, self.0) {
             (Search::Unaffordable, _) => None,
             // The rule took a jump for a part of the loop: its error is not known.
@@ -90,16 +93,20 @@ pub(super) struct Jumps {
     pub little: f64,
 }
 
-/// Looks for a break where advanced samples show one.
-pub(super) fn jumps(subject: &Subject<'_>, h: f64, after: &Ensemble) -> Result<Jumps, Error> {
+/// Looks for a break in the [rows that may jump](crate::breaks::rows_that_may_jump) of advanced samples.
+pub(super) fn jumps(
+    subject: &Subject<'_>,
+    h: f64,
+    after: &Ensemble,
+    rows: &[[bool; 2]],
+) -> Result<Jumps, Error> {
     let (evaluator, phase_loop) = (subject.evaluator, subject.phase_loop);
-    let rows = rows_that_may_jump(after, subject.coordinates());
-    let found = match find_break_in(evaluator, phase_loop, h, after, &rows)? {
+    let found = match find_break_in(evaluator, phase_loop, h, after, rows)? {
         Search::Found(found) if !found.is_substantial(ranges_of(after, found.dof)) => Search::Clean,
         found => found,
     };
     let little = match found {
-        Search::Clean => little_jumps(after, subject.coordinates(), &[], &rows),
+        Search::Clean => little_jumps(after, subject.coordinates(), &[], rows),
         Search::Found(_) | Search::Unaffordable => 0.0,
     };
     Ok(Jumps { found, little })

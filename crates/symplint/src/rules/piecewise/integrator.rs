@@ -49,9 +49,9 @@ impl LoopIntegrator for Piecewise {
             ..
         } = pieces;
         let mut little = 0.0;
+        let rows = rows_that_may_jump(after, subject.coordinates());
         if !breaks.is_empty() {
             let known: Vec<f64> = breaks.iter().map(|found| found.s).collect();
-            let rows = rows_that_may_jump(after, subject.coordinates());
             little = little_jumps(after, subject.coordinates(), &known, &rows);
         }
         let mut ranges = vec![None; after.dof()];
@@ -65,7 +65,7 @@ impl LoopIntegrator for Piecewise {
             little += insubstantial;
         }
         if breaks.is_empty() {
-            let search = jumps(subject, h, after)?;
+            let search = jumps(subject, h, after, &rows)?;
             little = little.max(search.little);
             if search.found != Search::Clean {
                 (integral.quadrature_error, closed.quadrature_error) = (None, None);

@@ -24,7 +24,7 @@ use symplint_fft::Complex64;
 
 use super::{RowIntegral, banded, least};
 use crate::signal::{UNIT_ROUNDOFF, largest, unwrap_row, wraps};
-use crate::state::{Coordinates, Rows, in_parallel};
+use crate::state::{Coordinates, Rows};
 pub(crate) use interpolant::roughness;
 use regularity::sobolev_exponent;
 use row::{Scaling, pack};
@@ -251,20 +251,19 @@ fn integral(z: &mut [Complex64], [of_q, of_p]: &[Scaling; 2], gain: f64) -> RowI
     }
 }
 
-/// The integrals of all rows. If `banded`, rows that are smooth to rounding are spared the transform.
-pub(super) fn rows(
-    q: Rows<'_>,
-    p: Rows<'_>,
-    coordinates: &Coordinates,
+/// The integral of each row. If `banded`, rows that are smooth to rounding are spared the transform.
+pub(super) fn of_rows<'a>(
+    q: Rows<'a>,
+    p: Rows<'a>,
+    coordinates: &'a Coordinates,
     banded: bool,
-) -> Vec<RowIntegral> {
+) -> impl Fn(usize) -> RowIntegral + Sync + 'a {
     let transform = transform(q.len());
-    let of_row = |i: usize| {
+    move |i| {
         Workspace::lend(&transform, |workspace| {
             workspace.integrate(q.row(i), p.row(i), coordinates.period(i), banded)
         })
-    };
-    in_parallel(0..q.count(), 2 * q.len(), of_row)
+    }
 }
 
 #[cfg(test)]
@@ -291,7 +290,7 @@ mod tests {
                     states.block().q.row_mut(0)[k] = sin + feature;
                     states.block().p.row_mut(0)[k] = cos;
                 }
-                let found = &rows(states.q(), states.p(), &Coordinates::plain(1), false)[0];
+                let found = of_rows(states.q(), states.p(), &Coordinates::plain(1), false)(0);
                 let error = found.quadrature_error.unwrap();
                 assert!(error < SIZE, "{width}: {error:e}");
             }
@@ -316,7 +315,7 @@ mod tests {
                     states.block().q.row_mut(0)[k] = sin + jumps.sum::<f64>();
                     states.block().p.row_mut(0)[k] = cos;
                 }
-                let found = &rows(states.q(), states.p(), &Coordinates::plain(1), false)[0];
+                let found = of_rows(states.q(), states.p(), &Coordinates::plain(1), false)(0);
                 let error = found.quadrature_error.unwrap();
                 assert!(error > SIZE, "{samples}, {seed}: {error:e}");
             }
