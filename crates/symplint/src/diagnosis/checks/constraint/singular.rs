@@ -7,7 +7,7 @@ use crate::evidence::{Rank, SingularJacobian};
 use crate::map::{Evaluator, LoopSize};
 use crate::rules::Subject;
 use crate::signal::noise::SAFETY;
-use crate::signal::{extrapolate, nearest, parameter};
+use crate::signal::{UNIT_ROUNDOFF, extrapolate, nearest, parameter};
 use crate::state::{Block, Ensemble, coordinate, coordinate_mut, period};
 
 /// Points of the loop at which the Jacobian is measured: a map that projects does so at both.
@@ -275,12 +275,14 @@ impl Columns {
             return None;
         }
         let form = q.transpose() * &p - p.transpose() * &q;
+        let n = form.nrows();
         let errors = {
-            let half = of_q.transpose() * p.abs() + q.abs().transpose() * &of_p;
+            let (q, p) = (q.abs().transpose(), p.abs());
+            // Of the differences, and of the sums of n products.
+            let half = of_q.transpose() * &p + &q * of_p + q * p * (n as f64 * UNIT_ROUNDOFF);
             &half + half.transpose()
         };
         let significant = |i: usize, j: usize| form[(i, j)].abs() > SAFETY * errors[(i, j)];
-        let n = form.nrows();
         let mut scale = vec![1.0; n];
         // Degrees of freedom of different action, and coordinates in different units, count alike.
         for _ in 0..SCALING_ROUNDS {
@@ -326,4 +328,27 @@ fn singular_values(matrix: &DMatrix<f64>) -> Vec<f64> {
     let squares = SymmetricEigen::new(matrix.transpose() * matrix).eigenvalues;
     let size = |square: &f64| square.max(0.0).sqrt();
     squares.iter().map(size).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_rounding_of_an_exact_projection_is_no_form() {
+        // Onto a line, on which every two-form is 0.
+        const N: usize = 7;
+        let entry = |i: usize, j: usize| (1.0 + i as f64 + 0.3 * (j * j) as f64).sin();
+        let line = DMatrix::from_fn(N, 1, |i, _| entry(i, 2)).normalize();
+        let q = &line * line.transpose();
+        let p = DMatrix::from_fn(N, N, entry) * &q;
+        let value = DMatrix::from_fn(
+            2 * N,
+            N,
+            |i, j| if i < N { q[(i, j)] } else { p[(i - N, j)] },
+        );
+        let errors = DMatrix::zeros(2 * N, N);
+        let columns = Columns { value, errors };
+        assert_eq!(columns.rank_of_form(), Some(Rank { rank: 0, of: 1 }));
+    }
 }
