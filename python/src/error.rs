@@ -3,7 +3,7 @@
 use pyo3::prelude::*;
 use pyo3::types::PyType;
 use symplint::Error;
-use symplint::error::{LOOK_AT_MAP, StateAt};
+use symplint::error::{LOOK_AT_MAP, StateLocation};
 use symplint_config::ConfigError;
 
 /// An exception class of `symplint._errors`.
@@ -45,13 +45,15 @@ struct Failed {
 }
 
 impl Failed {
-    fn at(at: StateAt, h: Option<f64>) -> Self {
+    fn at(at: StateLocation, h: Option<f64>) -> Self {
         let (s, sample) = match at {
-            StateAt::Sample(sample) => (None, Some(sample)),
-            StateAt::SampleOf { sample, samples } => {
+            StateLocation::Sample(sample) => (None, Some(sample)),
+            StateLocation::SampleOf { sample, samples } => {
                 (Some(sample as f64 / samples as f64), Some(sample))
             }
-            StateAt::Loop(s) | StateAt::RandomLoop(s) | StateAt::Displaced(s) => (Some(s), None),
+            StateLocation::Loop(s) | StateLocation::RandomLoop(s) | StateLocation::Displaced(s) => {
+                (Some(s), None)
+            }
             _ => (None, None),
         };
         Failed { h, s, sample }

@@ -10,7 +10,7 @@ use symplint_report::page::{Page, Repeat};
 use symplint_report::provenance::{Provenance, Run};
 use symplint_report::report::{Report as JsonReport, read_evidence};
 use symplint_report::run_folder::RunFolder;
-use symplint_report::text::{Shown, diagnosis_text, reasons};
+use symplint_report::text::{DisplayOptions, diagnosis_text, reasons};
 
 use crate::error::{input_error, other_error};
 
@@ -165,7 +165,7 @@ impl Report {
 
     /// The verdict, a table of the given loop, and the findings; `all` of them, or what fits one screen.
     fn text(&self, all: bool) -> String {
-        let shown = Shown {
+        let shown = DisplayOptions {
             width: Some(WIDTH),
             all,
         };
@@ -176,7 +176,7 @@ impl Report {
     /// The verdict with its reasons.
     fn reasons(&self) -> String {
         let verdict = &self.diagnosis.verdict;
-        let shown = Shown {
+        let shown = DisplayOptions {
             width: Some(WIDTH),
             all: false,
         };

@@ -5,7 +5,7 @@ use std::ffi::{CString, c_char};
 use symplint::{Diagnosis, VerdictKind};
 use symplint_report::provenance::Provenance;
 use symplint_report::report::Report;
-use symplint_report::text::{Shown, diagnosis_text};
+use symplint_report::text::{DisplayOptions, diagnosis_text};
 
 use crate::options::Settings;
 use crate::status::text_of;
@@ -37,7 +37,7 @@ pub enum SymplintVerdict {
 }
 
 /// One screen.
-const SHOWN: Shown = Shown {
+const SHOWN: DisplayOptions = DisplayOptions {
     width: Some(100),
     all: false,
 };

@@ -5,12 +5,12 @@ use symplint::{Block, StepFailure, TimeAdvance};
 use symplint_models::Model;
 
 /// A step of a system, which also gives its energy.
-pub struct WithEnergy<M> {
+pub struct StepWithEnergy<M> {
     pub map: M,
     pub model: Model,
 }
 
-impl<M: TimeAdvance> TimeAdvance for WithEnergy<M> {
+impl<M: TimeAdvance> TimeAdvance for StepWithEnergy<M> {
     fn dof(&self) -> usize {
         self.map.dof()
     }

@@ -6,13 +6,13 @@ use symplint::TimeAdvance;
 use symplint_models::integrators::aliases::{self, ALIASES};
 use symplint_models::integrators::catalogue::IntegratorInfo;
 use symplint_models::integrators::{Solver, StageSolver, Stop};
-use symplint_models::maps::{Damped, SinglePrecision};
+use symplint_models::maps::{DampedMap, SinglePrecision};
 use symplint_models::{Model, ModelError};
 use symplint_plasma::CATALOGUE;
 
 use super::document::Node;
 use super::error::ConfigError;
-use super::section::{Accept, Key, Section, suggestion};
+use super::section::{Key, NumberRange, Section, suggestion};
 use super::system::NOTHING;
 
 /// The keys of the stage solver, which only implicit methods accept.
@@ -213,7 +213,7 @@ fn solver(section: &Section, info: &IntegratorInfo) -> Result<StageSolver, Confi
 /// When the iteration for the stages stops.
 fn stop(section: &Section) -> Result<Stop, ConfigError> {
     const MAX_ITERATIONS: u64 = 1_000_000;
-    let tolerance = section.optional_number("tolerance", Accept::NotNegative)?;
+    let tolerance = section.optional_number("tolerance", NumberRange::NotNegative)?;
     let whole = |key| match section.written_place(key) {
         Some(_) => section.whole_between(key, 1, MAX_ITERATIONS).map(Some),
         None => Ok(None),
@@ -239,8 +239,8 @@ fn with_faults(
     full_name: &mut String,
     mut map: Box<dyn TimeAdvance>,
 ) -> Result<Box<dyn TimeAdvance>, ConfigError> {
-    if let Some(rate) = section.optional_number("damping", Accept::Finite)? {
-        let damped = Damped::new(map, rate)
+    if let Some(rate) = section.optional_number("damping", NumberRange::Finite)? {
+        let damped = DampedMap::new(map, rate)
             .map_err(|error| section.error("damping", error.to_string(), "give a number"))?;
         map = Box::new(damped);
         *full_name += &format!(", damping {rate}");

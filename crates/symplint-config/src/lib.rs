@@ -29,7 +29,7 @@ pub use template::{setting, template};
 pub use trace::TraceSettings;
 
 use document::Table;
-use energy::WithEnergy;
+use energy::StepWithEnergy;
 
 /// A configuration with all defaults filled in.
 pub struct Config {
@@ -196,7 +196,7 @@ impl Sections {
         resolved.insert("trace".into(), section.resolved().into());
         let map: Arc<dyn TimeAdvance> = match diagnostic.long_time {
             0 => Arc::from(map),
-            _ => Arc::new(WithEnergy {
+            _ => Arc::new(StepWithEnergy {
                 map,
                 model: system.model.clone(),
             }),

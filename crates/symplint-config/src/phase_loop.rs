@@ -8,7 +8,7 @@ use symplint::{Circle, FourierLoop, Loop, Phases, TimeAdvance};
 
 use super::document::{Node, Value};
 use super::error::ConfigError;
-use super::section::{Accept, Key, Section};
+use super::section::{Key, NumberRange, Section};
 use super::system::System;
 
 /// The keys of `[loop]`.
@@ -170,7 +170,7 @@ fn radii(section: &Section, dof: usize) -> Result<(Vec<f64>, Vec<f64>), ConfigEr
             Ok((radii.clone(), radii))
         }
         _ => {
-            let radius = section.number("radius", Accept::Positive)?;
+            let radius = section.number("radius", NumberRange::Positive)?;
             Ok((vec![radius; dof], vec![radius; dof]))
         }
     }

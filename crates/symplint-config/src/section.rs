@@ -2,8 +2,8 @@
 
 use std::cell::RefCell;
 
-pub use symplint::request::Accept;
-use symplint::request::{self, MAX_WHOLE_NUMBER, Part, Refusal};
+pub use symplint::request::NumberRange;
+use symplint::request::{self, MAX_WHOLE_NUMBER, Refusal, ValuePart};
 
 use super::document::{Node, SETTING, Table, Value};
 use super::error::{ConfigError, Place};
@@ -290,14 +290,18 @@ impl Section {
     }
 
     /// A number.
-    pub fn number(&self, key: &str, accept: Accept) -> Result<f64, ConfigError> {
-        read_number(&self.dotted(key), &self.required(key)?, accept)
+    pub fn number(&self, key: &str, range: NumberRange) -> Result<f64, ConfigError> {
+        read_number(&self.dotted(key), &self.required(key)?, range)
     }
 
     /// A number that may be left out.
-    pub fn optional_number(&self, key: &str, accept: Accept) -> Result<Option<f64>, ConfigError> {
+    pub fn optional_number(
+        &self,
+        key: &str,
+        range: NumberRange,
+    ) -> Result<Option<f64>, ConfigError> {
         (self.node(key)?)
-            .map(|node| read_number(&self.dotted(key), &node, accept))
+            .map(|node| read_number(&self.dotted(key), &node, range))
             .transpose()
     }
 
@@ -306,7 +310,7 @@ impl Section {
         let node = self.required(key)?;
         let path = self.dotted(key);
         let Value::List(list) = &node.value else {
-            return Ok(vec![read_number(&path, &node, Accept::Finite)?; count]);
+            return Ok(vec![read_number(&path, &node, NumberRange::Finite)?; count]);
         };
         if list.len() != count {
             return Err(self.error(
@@ -317,7 +321,7 @@ impl Section {
         }
         (list
             .iter()
-            .map(|item| read_number(&path, item, Accept::Finite)))
+            .map(|item| read_number(&path, item, NumberRange::Finite)))
         .collect()
     }
 
@@ -327,9 +331,9 @@ impl Section {
         let path = self.dotted(key);
         match &node.value {
             Value::List(list) => (list.iter())
-                .map(|item| read_number(&path, item, Accept::Finite))
+                .map(|item| read_number(&path, item, NumberRange::Finite))
                 .collect(),
-            _ => Ok(vec![read_number(&path, &node, Accept::Finite)?]),
+            _ => Ok(vec![read_number(&path, &node, NumberRange::Finite)?]),
         }
     }
 
@@ -337,11 +341,11 @@ impl Section {
     pub fn optional_numbers(
         &self,
         key: &str,
-        accept: Accept,
+        range: NumberRange,
     ) -> Result<Option<Vec<f64>>, ConfigError> {
         self.optional_list(
             key,
-            |path, item| read_number(path, item, accept),
+            |path, item| read_number(path, item, range),
             |path, node| Err(wrong(path, node, "a list", "write [1.0, 2.0]")),
         )
     }
@@ -459,8 +463,8 @@ fn read<T>(
 }
 
 /// Reads a number, also one written as a string such as `2^-1` or `pi/2`.
-pub fn read_number(path: &str, node: &Node, accept: Accept) -> Result<f64, ConfigError> {
-    read(path, node, |value| value.number(accept))
+pub fn read_number(path: &str, node: &Node, range: NumberRange) -> Result<f64, ConfigError> {
+    read(path, node, |value| value.number(range))
 }
 
 /// Reads a whole number, also one written as a string such as `2^15`.
@@ -471,14 +475,14 @@ pub fn read_whole(path: &str, node: &Node, least: u64) -> Result<u64, ConfigErro
 /// The error about a value that is refused, or a part of it, at its place.
 fn refused_at(path: &str, node: &Node, refused: Refusal) -> ConfigError {
     let part = match (&refused.part, &node.value) {
-        (Some(Part::Item(k)), Value::List(list)) => list.get(*k),
-        (Some(Part::Key(name)), Value::Table(table)) => {
+        (Some(ValuePart::Item(k)), Value::List(list)) => list.get(*k),
+        (Some(ValuePart::Key(name)), Value::Table(table)) => {
             table.entries.get(name).map(|(_, node)| node)
         }
         _ => None,
     };
     let path = match &refused.part {
-        Some(Part::Key(name)) => format!("{path}.{name}"),
+        Some(ValuePart::Key(name)) => format!("{path}.{name}"),
         _ => path.to_owned(),
     };
     let label = (refused.expected).map_or("set here".to_owned(), |what| format!("must be {what}"));

@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::{BufReader, Read};
 use std::path::Path;
 
-use symplint_files::loop_file::{Accept, Array, is_header};
+use symplint_files::loop_file::{Array, NumberKind, is_header};
 
 /// Why a state file cannot be used, and the remedy.
 #[derive(Debug)]
@@ -69,7 +69,7 @@ fn read_npy(path: &Path) -> Result<(Vec<f64>, Vec<f64>), StateFileError> {
     let mut bytes = Vec::new();
     let read = open(path)?.read_to_end(&mut bytes);
     read.map_err(|error| broken(format!("cannot read {}: {error}", path.display())))?;
-    let mut array = Array::decode(&bytes, Accept::Floats, path, "")
+    let mut array = Array::decode(&bytes, NumberKind::Floats, path, "")
         .map_err(|error| broken(error.to_string()))?;
     let [2, dof] = array.shape[..] else {
         return Err(unusable(

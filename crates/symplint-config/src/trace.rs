@@ -2,7 +2,7 @@
 
 use super::document::Node;
 use super::error::ConfigError;
-use super::section::{Accept, Key, Section};
+use super::section::{Key, NumberRange, Section};
 use symplint::request::MAX_SAMPLES;
 
 /// The keys of `[trace]`.
@@ -44,7 +44,7 @@ pub fn read(node: Option<&Node>) -> Result<(TraceSettings, Section), ConfigError
         section.record("snapshots", kept.collect::<Vec<_>>());
     }
     let settings = TraceSettings {
-        step_size: section.number("step_size", Accept::Positive)?,
+        step_size: section.number("step_size", NumberRange::Positive)?,
         steps: steps as usize,
         samples: section.whole_between("samples", 3, MAX_SAMPLES)? as usize,
         snapshots: snapshots.into_iter().map(|step| step as usize).collect(),

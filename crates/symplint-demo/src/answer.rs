@@ -5,7 +5,7 @@ use symplint::{Diagnostic, Ensemble, Loop, TimeAdvance};
 use symplint_config::{Config, ConfigError};
 use symplint_report::figures::figures;
 use symplint_report::report::to_json;
-use symplint_report::text::{Shown, diagnosis_text, headline};
+use symplint_report::text::{DisplayOptions, diagnosis_text, headline};
 
 use crate::typed::TypedRun;
 
@@ -88,7 +88,7 @@ fn diagnose(
 ) -> Result<Answer, String> {
     let diagnosis = (diagnostic.run(map, phase_loop)).map_err(|error| error.to_string())?;
     let (answer, rest) = headline(&diagnosis.verdict);
-    let shown = Shown {
+    let shown = DisplayOptions {
         width: Some(WIDTH),
         all: false,
     };

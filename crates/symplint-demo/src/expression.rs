@@ -20,7 +20,7 @@ pub struct Misprint {
 
 /// The kind of the last token.
 #[derive(Clone, Copy, PartialEq)]
-enum Last {
+enum TokenKind {
     /// Nothing, or an opening parenthesis.
     Start,
     Operator(char),
@@ -63,7 +63,7 @@ fn normal_form(text: &str, names: &[String]) -> Result<String, Misprint> {
     let letters: Vec<char> = text.chars().collect();
     let error = |at: usize, message: String| Err(Misprint { at, message });
     let mut normal = String::new();
-    let mut last = Last::Start;
+    let mut last = TokenKind::Start;
     let mut open = Vec::new();
     // Whether the operand under way is an exponent.
     let mut is_exponent = vec![false];
@@ -71,10 +71,10 @@ fn normal_form(text: &str, names: &[String]) -> Result<String, Misprint> {
     while let Some(&letter) = letters.get(at) {
         let begin = at;
         at += 1;
-        let expects_operand = last != Last::Operand;
+        let expects_operand = last != TokenKind::Operand;
         match letter {
             ' ' | '\t' => continue,
-            _ if last == Last::Function && letter != '(' => {
+            _ if last == TokenKind::Function && letter != '(' => {
                 return error(begin, "a function needs parentheses, such as sin(q)".into());
             }
             '0'..='9' | '.' => {
@@ -87,7 +87,7 @@ fn normal_form(text: &str, names: &[String]) -> Result<String, Misprint> {
                     return error(begin, format!("an operator is missing before {number}"));
                 }
                 normal += &format!("{value}");
-                last = Last::Operand;
+                last = TokenKind::Operand;
             }
             _ if letter.is_alphabetic() || letter == '_' => {
                 let is_of_name = |letter: &&char| letter.is_alphanumeric() || **letter == '_';
@@ -112,7 +112,7 @@ fn normal_form(text: &str, names: &[String]) -> Result<String, Misprint> {
                 normal.push('(');
                 open.push(begin);
                 is_exponent.push(false);
-                last = Last::Start;
+                last = TokenKind::Start;
             }
             ')' => {
                 if open.pop().is_none() {
@@ -123,11 +123,11 @@ fn normal_form(text: &str, names: &[String]) -> Result<String, Misprint> {
                 }
                 is_exponent.pop();
                 normal.push(')');
-                last = Last::Operand;
+                last = TokenKind::Operand;
             }
-            '-' if last == Last::Start || last == Last::Operator('+') => {
+            '-' if last == TokenKind::Start || last == TokenKind::Operator('+') => {
                 normal += "0-";
-                last = Last::Operator('-');
+                last = TokenKind::Operator('-');
             }
             '+' | '-' | '*' | '/' | '^' => {
                 let is_power = letter == '^' || letters.get(at) == Some(&'*') && letter == '*';
@@ -146,7 +146,7 @@ fn normal_form(text: &str, names: &[String]) -> Result<String, Misprint> {
                 *exponent = is_power;
                 let operator = if is_power { '^' } else { letter };
                 normal.push(operator);
-                last = Last::Operator(operator);
+                last = TokenKind::Operator(operator);
             }
             _ => {
                 return error(
@@ -164,9 +164,9 @@ fn normal_form(text: &str, names: &[String]) -> Result<String, Misprint> {
 ///
 /// # Errors
 /// If it does not, or the last one is.
-fn check_end(last: Last, open: &[usize], length: usize) -> Result<(), Misprint> {
+fn check_end(last: TokenKind, open: &[usize], length: usize) -> Result<(), Misprint> {
     let (at, message) = match open.last() {
-        _ if last != Last::Operand => (length, "a number or a name is missing at the end"),
+        _ if last != TokenKind::Operand => (length, "a number or a name is missing at the end"),
         Some(&at) => (at, "this ( is not closed: add )"),
         None => return Ok(()),
     };
@@ -178,13 +178,13 @@ fn check_end(last: Last, open: &[usize], length: usize) -> Result<(), Misprint> 
 ///
 /// # Errors
 /// If nothing has this name: the names that are known.
-fn of_name<'n>(name: &'n str, names: &[String]) -> Result<(&'n str, Last), String> {
+fn of_name<'n>(name: &'n str, names: &[String]) -> Result<(&'n str, TokenKind), String> {
     if names.iter().any(|known| known == name) {
-        Ok((name, Last::Operand))
+        Ok((name, TokenKind::Operand))
     } else if name == PI[0] {
-        Ok((PI[1], Last::Operand))
+        Ok((PI[1], TokenKind::Operand))
     } else if FUNCTIONS.contains(&name) {
-        Ok((name, Last::Function))
+        Ok((name, TokenKind::Function))
     } else {
         Err(format!(
             "{name} is unknown: the names are {}, pi, and the functions {}",

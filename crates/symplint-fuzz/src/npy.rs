@@ -2,13 +2,13 @@
 
 use std::path::Path;
 
-use symplint_files::loop_file::{Accept, Array, LoopFile};
+use symplint_files::loop_file::{Array, LoopFile, NumberKind};
 
 use crate::files::with_file;
 
 /// Decodes the bytes as an array, and reads them as both files of a pair.
 pub fn npy(data: &[u8]) {
-    for accept in [Accept::Floats, Accept::Numbers] {
+    for accept in [NumberKind::Floats, NumberKind::Numbers] {
         if let Ok(array) = Array::decode(data, accept, Path::new("fuzz.npy"), "") {
             let bytes = array.encode();
             let again = Array::decode(&bytes, accept, Path::new("again.npy"), "");

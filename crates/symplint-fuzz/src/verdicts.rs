@@ -3,7 +3,7 @@
 use symplint::{Diagnosis, Evidence};
 use symplint_report::figures::step_sizes;
 use symplint_report::report::{ReportError, read_evidence, to_json};
-use symplint_report::text::{Shown, diagnosis_text};
+use symplint_report::text::{DisplayOptions, diagnosis_text};
 
 /// Judges evidence, and writes what is found as text, table, figure and JSON.
 pub fn judge_and_write(evidence: Evidence) -> Diagnosis {
@@ -11,7 +11,7 @@ pub fn judge_and_write(evidence: Evidence) -> Diagnosis {
     let verdict = &diagnosis.verdict;
     for width in [None, Some(0), Some(80)] {
         for all in [false, true] {
-            let _ = diagnosis_text("fuzz", &diagnosis, Shown { width, all });
+            let _ = diagnosis_text("fuzz", &diagnosis, DisplayOptions { width, all });
         }
     }
     let _ = step_sizes("fuzz", &diagnosis).to_svg();

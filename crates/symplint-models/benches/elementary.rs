@@ -11,7 +11,7 @@ mod kernel;
 use std::hint::black_box;
 
 use interleaved::{heading, report};
-use kernel::{Arithmetic, Fused, LANES, Separate};
+use kernel::{Arithmetic, FusedArithmetic, LANES, SeparateArithmetic};
 use symplint_models::elementary::{add_sin, cos_into, sin_into};
 
 /// Numbers in a row: 8 KiB, in the first cache with the result.
@@ -78,15 +78,15 @@ fn sines<M: Arithmetic>(x: &[f64], out: &mut [f64]) {
 }
 
 fn portable(x: &[f64], out: &mut [f64]) {
-    sines::<Separate>(x, out);
+    sines::<SeparateArithmetic>(x, out);
 }
 
 #[cfg(target_arch = "x86_64")]
 mod x86 {
-    use super::{Fused, sines};
+    use super::{FusedArithmetic, sines};
 
     #[multiversion::multiversion(targets("x86_64+avx2+fma"))]
     pub fn avx2(x: &[f64], out: &mut [f64]) {
-        sines::<Fused>(x, out);
+        sines::<FusedArithmetic>(x, out);
     }
 }

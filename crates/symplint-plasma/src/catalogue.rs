@@ -5,7 +5,7 @@ use std::num::NonZeroUsize;
 use std::sync::Arc;
 
 use symplint_models::integrators::StageSolver;
-use symplint_models::integrators::catalogue::{Catalogue, IntegratorInfo, Made, Maker};
+use symplint_models::integrators::catalogue::{Catalogue, IntegratorInfo, Maker, MapResult};
 use symplint_models::{Model, ModelError};
 
 use crate::gempic::{Boris1d2v, Gempic, Orbit, PlasmaStep};
@@ -44,7 +44,7 @@ const BORIS: Boris1d2v = Boris1d2v {
     deposits_directly: false,
 };
 
-const fn explicit(make: fn(&Model, StageSolver) -> Option<Made>) -> Maker {
+const fn explicit(make: fn(&Model, StageSolver) -> Option<MapResult>) -> Maker {
     Maker::For {
         needs: NEEDS,
         is_implicit: false,
@@ -52,7 +52,7 @@ const fn explicit(make: fn(&Model, StageSolver) -> Option<Made>) -> Maker {
     }
 }
 
-const fn implicit(make: fn(&Model, StageSolver) -> Option<Made>) -> Maker {
+const fn implicit(make: fn(&Model, StageSolver) -> Option<MapResult>) -> Maker {
     Maker::For {
         needs: NEEDS,
         is_implicit: true,
@@ -131,11 +131,11 @@ const SCHEMES: &[IntegratorInfo] = &[
     },
 ];
 
-fn boris(model: &Model, scheme: Boris1d2v) -> Option<Made> {
+fn boris(model: &Model, scheme: Boris1d2v) -> Option<MapResult> {
     plasma(model, |gempic| Ok(PlasmaStep::boris(gempic, scheme)))
 }
 
-fn crank_nicolson(model: &Model, orbit: Orbit, solver: StageSolver) -> Option<Made> {
+fn crank_nicolson(model: &Model, orbit: Orbit, solver: StageSolver) -> Option<MapResult> {
     plasma(model, |gempic| {
         PlasmaStep::crank_nicolson(gempic, orbit, solver)
     })
@@ -145,7 +145,7 @@ fn crank_nicolson(model: &Model, orbit: Orbit, solver: StageSolver) -> Option<Ma
 fn plasma(
     model: &Model,
     make: impl FnOnce(Gempic) -> Result<PlasmaStep, ModelError>,
-) -> Option<Made> {
+) -> Option<MapResult> {
     let Model::Split(system) = model else {
         return None;
     };

@@ -11,7 +11,7 @@ use crate::wrap::wrapped;
 
 /// How a diagnosis is shown.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Shown {
+pub struct DisplayOptions {
     /// Characters of a line; without a width, paragraphs stay on one line each.
     pub width: Option<usize>,
     /// Every step size and every finding, instead of what fits one screen.
@@ -45,7 +45,7 @@ pub fn summary(verdict: &Verdict) -> String {
 }
 
 /// What stands below the headline of a verdict: its summary, the title, a table of the given loop, and the findings by subject.
-pub fn diagnosis_text(title: &str, diagnosis: &Diagnosis, shown: Shown) -> String {
+pub fn diagnosis_text(title: &str, diagnosis: &Diagnosis, shown: DisplayOptions) -> String {
     let verdict = &diagnosis.verdict;
     let mut text = wrapped("", "", &summary(verdict), shown.width);
     text += &format!("\n{title}\n");
@@ -60,7 +60,7 @@ pub fn diagnosis_text(title: &str, diagnosis: &Diagnosis, shown: Shown) -> Strin
 }
 
 /// The summary and the findings of a verdict.
-pub fn reasons(verdict: &Verdict, shown: Shown) -> String {
+pub fn reasons(verdict: &Verdict, shown: DisplayOptions) -> String {
     let summary = wrapped("", "", &verdict.summary(), shown.width);
     format!("{summary}\n\n{}", findings(verdict, shown))
 }
@@ -98,7 +98,7 @@ pub fn by_label(verdict: &Verdict, all: bool) -> Vec<(&'static str, Vec<String>)
 }
 
 /// The cause, the findings by label, and what to do next.
-fn findings(verdict: &Verdict, shown: Shown) -> String {
+fn findings(verdict: &Verdict, shown: DisplayOptions) -> String {
     let cause = (verdict.cause.iter()).map(|cause| (cause.heading(), vec![cause.text.clone()]));
     let found = by_label(verdict, shown.all).into_iter();
     // The number of evaluations stands at the end.
@@ -312,7 +312,7 @@ mod tests {
             ),
         ] {
             let diagnosis = diagnosed(friction);
-            let shown = Shown {
+            let shown = DisplayOptions {
                 width: Some(80),
                 all: false,
             };
@@ -325,7 +325,7 @@ mod tests {
             for word in words {
                 assert!(unfolded(&text).contains(word), "{text}");
             }
-            let all = diagnosis_text("step", &diagnosis, Shown { all: true, ..shown });
+            let all = diagnosis_text("step", &diagnosis, DisplayOptions { all: true, ..shown });
             assert!(all.contains("0.000977") && !all.contains('⋮'), "{all}");
         }
     }

@@ -29,7 +29,7 @@ fn without_area(integral: f64, scale: f64) -> String {
 /// Which state an error is about.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
-pub enum StateAt {
+pub enum StateLocation {
     /// A sample of the loop, counted from 0.
     Sample(usize),
     /// A sample of the loop, counted from 0, of this number of equispaced ones: it lies at s = `sample`/`samples`.
@@ -55,34 +55,34 @@ pub enum StateAt {
     Orbit,
 }
 
-impl fmt::Display for StateAt {
+impl fmt::Display for StateLocation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            StateAt::Sample(sample) => write!(f, "sample {sample}"),
-            StateAt::SampleOf { sample, samples } => {
+            StateLocation::Sample(sample) => write!(f, "sample {sample}"),
+            StateLocation::SampleOf { sample, samples } => {
                 let s = *sample as f64 / *samples as f64;
                 write!(f, "sample {sample} of {samples} (s = {s:?})")
             }
-            StateAt::Loop(s) => write!(
+            StateLocation::Loop(s) => write!(
                 f,
                 "s = {s:?} of the loop, between samples (sample the loop at this s and take one step)"
             ),
-            StateAt::Centre => f.write_str("the centre of the loops"),
-            StateAt::RandomLoop(s) => write!(f, "s = {s:?} of a random loop"),
-            StateAt::Displaced(s) => write!(
+            StateLocation::Centre => f.write_str("the centre of the loops"),
+            StateLocation::RandomLoop(s) => write!(f, "s = {s:?} of a random loop"),
+            StateLocation::Displaced(s) => write!(
                 f,
                 "s = {s:?} of the loop (displaced from its state there to measure derivatives)"
             ),
-            StateAt::Sector(t) => write!(
+            StateLocation::Sector(t) => write!(
                 f,
                 "t = {t:?} of the boundary of a sector of the disc within the loop"
             ),
-            StateAt::Segment(t) => write!(
+            StateLocation::Segment(t) => write!(
                 f,
                 "t = {t:?} of a segment that closes a break of the loop (0 is the one side of the break, 1 the \
                  other; between them the map need not be defined, and Closure::Chords stays away from there)"
             ),
-            StateAt::Orbit => f.write_str("the orbit next to the loop"),
+            StateLocation::Orbit => f.write_str("the orbit next to the loop"),
         }
     }
 }
@@ -202,7 +202,7 @@ pub enum Error {
         /// Degree of freedom.
         dof: usize,
         /// Which state.
-        at: StateAt,
+        at: StateLocation,
         /// The step size, if a map made the state.
         step_size: Option<f64>,
         /// NaN or an infinity.
@@ -214,7 +214,7 @@ pub enum Error {
     #[error("the map failed at {at}{}: {reason}", with(*.step_size))]
     StepFailed {
         /// Which state.
-        at: StateAt,
+        at: StateLocation,
         /// The step size; `None` for a map without one.
         step_size: Option<f64>,
         /// The map's reason.
@@ -433,9 +433,9 @@ impl Error {
     /// The same where the loop was the boundary of a sector.
     pub(crate) fn in_sector(mut self) -> Error {
         if let Error::NotFinite { at, .. } | Error::StepFailed { at, .. } = &mut self
-            && let StateAt::Loop(t) = *at
+            && let StateLocation::Loop(t) = *at
         {
-            *at = StateAt::Sector(t);
+            *at = StateLocation::Sector(t);
         }
         self
     }
@@ -450,9 +450,9 @@ impl Error {
     }
 
     /// The same about the state that a sample of a batch stands for.
-    pub(crate) fn at(mut self, state: impl Fn(usize) -> StateAt) -> Error {
+    pub(crate) fn at(mut self, state: impl Fn(usize) -> StateLocation) -> Error {
         if let Error::NotFinite { at, .. } | Error::StepFailed { at, .. } = &mut self
-            && let StateAt::Sample(sample) = *at
+            && let StateLocation::Sample(sample) = *at
         {
             *at = state(sample);
         }

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::error::{Error, StateAt};
+use crate::error::{Error, StateLocation};
 use crate::loops::Loop;
 use crate::map::{EvaluationCount, Evaluator, TimeAdvance};
 use crate::rules::Defect;
@@ -151,7 +151,7 @@ impl Trace {
                 (evaluator.advance(&mut ensemble, self.step_size)).map_err(in_step)?;
                 if let Some(follower) = &mut follower {
                     (evaluator.advance(&mut follower.state, self.step_size))
-                        .map_err(|error| in_step(error.at(|_| StateAt::Orbit)))?;
+                        .map_err(|error| in_step(error.at(|_| StateLocation::Orbit)))?;
                 }
             }
             let integral = LoopIntegral::in_coordinates(&ensemble, &self.rule, coordinates)?;
@@ -195,7 +195,7 @@ impl<'a> Follower<'a> {
             block.q.row_mut(i)[0] = orbit.q[i];
             block.p.row_mut(i)[0] = orbit.p[i];
         }
-        (state.check_finite(None)).map_err(|error| error.at(|_| StateAt::Orbit))?;
+        (state.check_finite(None)).map_err(|error| error.at(|_| StateLocation::Orbit))?;
         let mut follower = Follower {
             observable: orbit.energy,
             state,

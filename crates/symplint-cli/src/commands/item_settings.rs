@@ -2,7 +2,7 @@
 
 use symplint_config::ConfigError;
 use symplint_config::document::{self, Table, Value as Written};
-use symplint_config::section::{self, Accept, read_number, suggestion};
+use symplint_config::section::{self, NumberRange, read_number, suggestion};
 use symplint_paper::{Item, Kind, SettingError, Settings, Value};
 
 /// All settings of an item: its defaults, changed by `--set` settings.
@@ -22,7 +22,7 @@ pub fn item_settings(item: &Item, settings: &[String]) -> Result<Settings, Confi
             (Written::Text(word), Kind::Choice { .. }) => Value::Word(word.clone()),
             _ => {
                 let path = format!("{}.{}", item.id, key.name);
-                Value::Number(read_number(&path, node, Accept::Finite)?)
+                Value::Number(read_number(&path, node, NumberRange::Finite)?)
             }
         };
         settings.set(key.name, value).map_err(refused)?;

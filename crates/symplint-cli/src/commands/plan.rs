@@ -6,7 +6,7 @@ use symplint_run::Request;
 
 use super::check::{Calls, diagnose};
 use super::resume::config_of_run;
-use crate::cli::{PlanArgs, ResumeArgs, Run, Shown};
+use crate::cli::{DisplayArgs, PlanArgs, ResumeArgs, Run};
 use crate::failure::Failure;
 use crate::output::{go_on, say, tell};
 use crate::provenance;
@@ -42,7 +42,11 @@ pub fn collect(arguments: &ResumeArgs) -> Result<Status, Failure> {
 }
 
 /// Says what is to be done.
-pub(super) fn say_round(requests: &[Request], folder: &Path, shown: &Shown) -> Result<(), Failure> {
+pub(super) fn say_round(
+    requests: &[Request],
+    folder: &Path,
+    shown: &DisplayArgs,
+) -> Result<(), Failure> {
     let states: usize = requests
         .iter()
         .map(|request| request.states.samples())

@@ -22,7 +22,7 @@ const SAMPLES: usize = 256;
 
 /// The files that were written, for `--json`.
 #[derive(Serialize)]
-struct Written {
+struct WrittenFiles {
     files: Vec<PathBuf>,
     samples: usize,
     dof: usize,
@@ -57,7 +57,7 @@ pub fn write_loop(arguments: &LoopArgs) -> Result<Status, Failure> {
     })?;
     let files = file.write()?;
     if arguments.json {
-        say(to_json(&Written {
+        say(to_json(&WrittenFiles {
             files,
             samples,
             dof,

@@ -25,7 +25,7 @@ pub fn diagnosis_text(title: &str, diagnosis: &Diagnosis, (quiet, all): (bool, b
     if quiet {
         return headline;
     }
-    let shown = text::Shown {
+    let shown = text::DisplayOptions {
         width: width(),
         all,
     };

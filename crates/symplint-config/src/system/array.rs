@@ -9,7 +9,7 @@ use symplint_models::systems::PendulumArray;
 use super::initial::{Initial, initial};
 use super::{MAX_DOF, STRANG, System, SystemInfo};
 use crate::ConfigError;
-use crate::section::{Accept, Key, Section};
+use crate::section::{Key, NumberRange, Section};
 
 pub const PENDULUM_ARRAY: SystemInfo = SystemInfo {
     name: "pendulum-array",
@@ -37,8 +37,8 @@ pub const PENDULUM_ARRAY: SystemInfo = SystemInfo {
 
 fn pendulum_array(section: &Section, folder: &Path) -> Result<System, ConfigError> {
     let pendula = section.whole_between("pendula", 1, MAX_DOF)? as usize;
-    let alpha = section.number("alpha", Accept::Finite)?;
-    let k = section.number("k", Accept::Finite)?;
+    let alpha = section.number("alpha", NumberRange::Finite)?;
+    let k = section.number("k", NumberRange::Finite)?;
     let array =
         PendulumArray::new(pendula, alpha, k).map_err(|e| section.refused_by("pendula", &e))?;
     let kinds = (&["uniform"][..], &["seed"][..]);

@@ -9,7 +9,7 @@ use symplint_models::systems::{Bond, Chain, Ends, FputBond, TodaBond};
 use super::initial::{Initial, initial};
 use super::{MAX_DOF, STRANG, System, SystemInfo};
 use crate::ConfigError;
-use crate::section::{Accept, Key, Section};
+use crate::section::{Key, NumberRange, Section};
 
 const MASSES: Key = Key::new("masses", "32", "number of masses, the degrees of freedom");
 const ENDS: Key = Key::new("ends", "\"fixed\"", "\"fixed\" to walls or \"periodic\"")
@@ -42,8 +42,8 @@ pub const FPUT: SystemInfo = SystemInfo {
     integrator: STRANG,
     budget: None,
     build: |section, folder| {
-        let alpha = section.number("alpha", Accept::Finite)?;
-        let beta = section.number("beta", Accept::Finite)?;
+        let alpha = section.number("alpha", NumberRange::Finite)?;
+        let beta = section.number("beta", NumberRange::Finite)?;
         let bond = FputBond::new(alpha, beta).map_err(|e| section.refused_by("alpha", &e))?;
         chain("fput", bond, section, folder)
     },
@@ -74,7 +74,7 @@ fn chain(
     let (q0, p0) = match initial(section, folder, kinds, masses)? {
         Initial::Named(_) => {
             let mode = section.whole_between("mode", 1, MAX_DOF)? as usize;
-            let amplitude = section.number("amplitude", Accept::Finite)?;
+            let amplitude = section.number("amplitude", NumberRange::Finite)?;
             (chain.mode_shape(mode, amplitude), vec![0.0; masses])
         }
         Initial::State(q, p) => (q, p),

@@ -14,7 +14,7 @@ use super::given_map::NONE;
 use super::{System, SystemInfo};
 use crate::ConfigError;
 use crate::document::Value;
-use crate::section::{Accept, Key, Section};
+use crate::section::{Key, NumberRange, Section};
 
 /// Evaluations where none are given: each is a simulation of another code.
 const BUDGET: usize = 20_000;
@@ -131,7 +131,7 @@ fn limits(section: &Section) -> Result<Limits, ConfigError> {
         Ok::<_, ConfigError>(NonZero::new(count).unwrap_or(NonZero::<usize>::MIN))
     };
     let timeout = section
-        .number("timeout", Accept::Positive)?
+        .number("timeout", NumberRange::Positive)?
         .min(MAX_TIMEOUT);
     Ok(Limits {
         timeout: Duration::from_secs_f64(timeout),

@@ -8,7 +8,7 @@ use symplint_models::discrete::{HenonMap, PendulumRattle, StandardMap};
 
 use super::{System, SystemInfo};
 use crate::ConfigError;
-use crate::section::{Accept, Key, Section};
+use crate::section::{Key, NumberRange, Section};
 
 /// The name of the integrator of a system that is a map.
 pub const NOTHING: &str = "none";
@@ -33,8 +33,8 @@ pub const HENON_MAP: SystemInfo = SystemInfo {
     integrator: NONE,
     budget: None,
     build: |section, _| {
-        let angle = section.number("angle", Accept::Finite)?;
-        let contraction = section.number("contraction", Accept::Positive)?;
+        let angle = section.number("angle", NumberRange::Finite)?;
+        let contraction = section.number("contraction", NumberRange::Positive)?;
         let map = HenonMap::new(angle, contraction).map_err(|e| section.refused_by("angle", &e))?;
         given(section, "henon-map", map)
     },
@@ -61,7 +61,7 @@ pub const STANDARD_MAP: SystemInfo = SystemInfo {
     integrator: NONE,
     budget: None,
     build: |section, _| {
-        let strength = section.number("strength", Accept::Finite)?;
+        let strength = section.number("strength", NumberRange::Finite)?;
         let map = StandardMap::new(strength).map_err(|e| section.refused_by("strength", &e))?;
         let map = match section.flag("torus")? {
             true => map.on_torus(),
@@ -92,12 +92,12 @@ pub const PENDULUM_RATTLE: SystemInfo = SystemInfo {
     integrator: NONE,
     budget: None,
     build: |section, _| {
-        let length = section.number("length", Accept::Positive)?;
-        let gravity = section.number("gravity", Accept::Finite)?;
+        let length = section.number("length", NumberRange::Positive)?;
+        let gravity = section.number("gravity", NumberRange::Finite)?;
         let map =
             PendulumRattle::new(length, gravity).map_err(|e| section.refused_by("length", &e))?;
-        let angle = section.number("angle", Accept::Finite)?;
-        let (q0, p0) = map.state(angle, section.number("momentum", Accept::Finite)?);
+        let angle = section.number("angle", NumberRange::Finite)?;
+        let (q0, p0) = map.state(angle, section.number("momentum", NumberRange::Finite)?);
         Ok(System {
             name: "pendulum-rattle",
             model: Model::Map(Arc::new(map)),
@@ -117,8 +117,8 @@ fn given(
     Ok(System {
         name,
         model: Model::Map(Arc::new(map)),
-        q0: vec![section.number("q0", Accept::Finite)?],
-        p0: vec![section.number("p0", Accept::Finite)?],
+        q0: vec![section.number("q0", NumberRange::Finite)?],
+        p0: vec![section.number("p0", NumberRange::Finite)?],
         command: None,
     })
 }

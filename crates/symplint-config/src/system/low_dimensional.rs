@@ -10,7 +10,7 @@ use symplint_models::{Model, ModelError, Separable};
 
 use super::{MAX_DOF, STRANG, System, SystemInfo};
 use crate::ConfigError;
-use crate::section::{Accept, Key, Section};
+use crate::section::{Key, NumberRange, Section};
 
 const Q0: Key = Key::new("q0", "0.0", "centre of the loop, position").numbers();
 const P0: Key = Key::new("p0", "0.0", "centre of the loop, momentum").numbers();
@@ -51,7 +51,7 @@ pub const ABSOLUTE_VALUE: SystemInfo = SystemInfo {
     integrator: STRANG,
     budget: None,
     build: |section, _| {
-        let epsilon = section.number("epsilon", Accept::NotNegative)?;
+        let epsilon = section.number("epsilon", NumberRange::NotNegative)?;
         let system = AbsoluteValue::new(epsilon).map_err(|e| section.refused_by("epsilon", &e))?;
         plane(section, "absolute-value", system)
     },
@@ -138,7 +138,7 @@ pub const TWO_CELL: SystemInfo = SystemInfo {
     integrator: STRANG,
     budget: None,
     build: |section, _| {
-        let length = section.number("length", Accept::Positive)?;
+        let length = section.number("length", NumberRange::Positive)?;
         let system = TwoCell::new(length).map_err(|e| section.refused_by("length", &e))?;
         plane(section, "two-cell", system)
     },
@@ -153,8 +153,8 @@ fn plane(
     Ok(System {
         name,
         model: Model::Separable(Arc::new(hamiltonian)),
-        q0: vec![section.number("q0", Accept::Finite)?],
-        p0: vec![section.number("p0", Accept::Finite)?],
+        q0: vec![section.number("q0", NumberRange::Finite)?],
+        p0: vec![section.number("p0", NumberRange::Finite)?],
         command: None,
     })
 }

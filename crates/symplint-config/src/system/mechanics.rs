@@ -7,7 +7,7 @@ use symplint_models::systems::{ChargedParticle, DoublePendulum, Kepler, Rotation
 
 use super::{STRANG, System, SystemInfo};
 use crate::ConfigError;
-use crate::section::{Accept, Key, Section};
+use crate::section::{Key, NumberRange, Section};
 
 const fn q0(default: &'static str) -> Key {
     Key::new("q0", default, "centre of the loop, positions").numbers()
@@ -33,8 +33,8 @@ pub const KEPLER: SystemInfo = SystemInfo {
     integrator: STRANG,
     budget: None,
     build: |section, _| {
-        let mu = section.number("mu", Accept::Finite)?;
-        let softening = section.number("softening", Accept::NotNegative)?;
+        let mu = section.number("mu", NumberRange::Finite)?;
+        let softening = section.number("softening", NumberRange::NotNegative)?;
         let kepler = Kepler::new(mu, softening).map_err(|e| section.refused_by("mu", &e))?;
         space(section, "kepler", Model::Separable(Arc::new(kepler)))
     },
@@ -65,7 +65,7 @@ pub const DOUBLE_PENDULUM: SystemInfo = SystemInfo {
     build: |section, _| {
         let masses = both(section, "masses")?;
         let lengths = both(section, "lengths")?;
-        let gravity = section.number("gravity", Accept::Finite)?;
+        let gravity = section.number("gravity", NumberRange::Finite)?;
         let pendulum = DoublePendulum::new(masses, lengths, gravity).map_err(|error| {
             let key = if masses.iter().all(|&mass| mass > 0.0) {
                 "lengths"
@@ -100,9 +100,9 @@ pub const CHARGED_PARTICLE: SystemInfo = SystemInfo {
     integrator: MIDPOINT,
     budget: None,
     build: |section, _| {
-        let field = section.number("field", Accept::Finite)?;
-        let gradient = section.number("gradient", Accept::Finite)?;
-        let omega = section.number("omega", Accept::Finite)?;
+        let field = section.number("field", NumberRange::Finite)?;
+        let gradient = section.number("gradient", NumberRange::Finite)?;
+        let omega = section.number("omega", NumberRange::Finite)?;
         let particle = ChargedParticle::new(field, gradient, omega)
             .map_err(|e| section.refused_by("omega", &e))?;
         space(section, "charged-particle", Model::Charged(particle))
@@ -124,7 +124,7 @@ pub const ROTATIONAL_FORCE: SystemInfo = SystemInfo {
     integrator: STRANG,
     budget: None,
     build: |section, _| {
-        let strength = section.number("strength", Accept::Finite)?;
+        let strength = section.number("strength", NumberRange::Finite)?;
         let force =
             RotationalForce::new(strength).map_err(|e| section.refused_by("strength", &e))?;
         space(section, "rotational-force", Model::Forced(Arc::new(force)))

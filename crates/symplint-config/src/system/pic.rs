@@ -12,7 +12,7 @@ use symplint_plasma::pic::{
 use super::initial::{Initial, initial, refuse_unused};
 use super::{MAX_DOF, STRANG, System, SystemInfo};
 use crate::ConfigError;
-use crate::section::{Accept, Key, Section};
+use crate::section::{Key, NumberRange, Section};
 
 pub const PIC_1D: SystemInfo = SystemInfo {
     name: "pic-1d",
@@ -149,7 +149,7 @@ fn es1(section: &Section, folder: &Path) -> Result<System, ConfigError> {
     let config = MomentumConservingConfig {
         weights: weights(section)?,
         cells: section.whole("cells", 1)? as usize,
-        length: section.number("length", Accept::Positive)?,
+        length: section.number("length", NumberRange::Positive)?,
         degree: section.whole("degree", 0)? as usize,
     };
     let plasma = MomentumConservingPic::new(config)
@@ -186,7 +186,7 @@ fn pic<const D: usize>(
     let config = PicConfig {
         weights: weights(section)?,
         cells: section.whole("cells", 1)? as usize,
-        length: section.number("length", Accept::Positive)?,
+        length: section.number("length", NumberRange::Positive)?,
         family: match section.choice("family", &["b-spline", "lagrange"])? {
             "lagrange" => ShapeFamily::Lagrange,
             _ => ShapeFamily::BSpline,
@@ -208,8 +208,8 @@ fn pic<const D: usize>(
 
 fn weights(section: &Section) -> Result<ParticleWeights, ConfigError> {
     let particles = section.whole_between("particles", 1, MAX_DOF)? as usize;
-    let density = section.number("density", Accept::Positive)?;
-    let Some(weights) = section.optional_numbers("weights", Accept::Finite)? else {
+    let density = section.number("density", NumberRange::Positive)?;
+    let Some(weights) = section.optional_numbers("weights", NumberRange::Finite)? else {
         return Ok(ParticleWeights::Equal { particles, density });
     };
     for other in ["particles", "density"] {
@@ -243,8 +243,8 @@ fn state<const D: usize>(
         Initial::State(x, v) => return Ok((x, v)),
         Initial::Named(name) => name,
     };
-    let thermal_velocity = section.number("thermal_velocity", Accept::NotNegative)?;
-    let amplitude = section.number("amplitude", Accept::Finite)?;
+    let thermal_velocity = section.number("thermal_velocity", NumberRange::NotNegative)?;
+    let amplitude = section.number("amplitude", NumberRange::Finite)?;
     let mode = section.whole_between("mode", 1, u64::from(u32::MAX))? as u32;
     let seed = section.whole("seed", 0)?;
     let convention = match section.choice("velocities", &["text", "code"])? {
@@ -262,7 +262,7 @@ fn state<const D: usize>(
         landau.sample_box::<D>(particles, length, seed)
     } else {
         let two_stream = TwoStream {
-            beam_velocity: section.number("beam_velocity", Accept::Finite)?,
+            beam_velocity: section.number("beam_velocity", NumberRange::Finite)?,
             thermal_velocity,
             amplitude,
             mode,

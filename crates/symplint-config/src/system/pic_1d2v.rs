@@ -9,7 +9,7 @@ use symplint_plasma::pic::ParticleWeights;
 use super::initial::{Initial, initial};
 use super::{MAX_DOF, STRANG, System, SystemInfo};
 use crate::ConfigError;
-use crate::section::{Accept, Key, Section};
+use crate::section::{Key, NumberRange, Section};
 
 pub const PIC_1D2V: SystemInfo = SystemInfo {
     name: "pic-1d2v",
@@ -59,7 +59,7 @@ fn build(section: &Section, folder: &Path) -> Result<System, ConfigError> {
     let fields = Fields::ALL.iter().find(|(name, _)| *name == chosen);
     let cells = section.whole("cells", 1)? as usize;
     let particles = section.whole_between("particles", 1, MAX_DOF)? as usize;
-    let length = section.optional_number("length", Accept::Positive)?;
+    let length = section.optional_number("length", NumberRange::Positive)?;
     // A state from a file must have this length, so the file is read before the box is known.
     let dof = 2 * (particles + cells);
     let (plasma, state) = match initial(section, folder, (&names, &["seed", "amplitude"]), dof)? {
@@ -96,7 +96,7 @@ fn build(section: &Section, folder: &Path) -> Result<System, ConfigError> {
         Some(state) => state,
         None => {
             let seed = section.whole("seed", 0)?;
-            let amplitude = section.optional_number("amplitude", Accept::Finite)?;
+            let amplitude = section.optional_number("amplitude", NumberRange::Finite)?;
             let amplitude = amplitude.unwrap_or(plasma.amplitude());
             section.record("amplitude", amplitude);
             let drawn = plasma.sample(&gempic, amplitude, seed);

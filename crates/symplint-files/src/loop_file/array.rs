@@ -16,7 +16,7 @@ pub struct Array {
 
 /// Which numbers are taken.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub enum Accept {
+pub enum NumberKind {
     /// Floating-point numbers: what a step computes.
     Floats,
     /// Integers, too: people write h = 1.
@@ -27,7 +27,7 @@ impl Array {
     /// Decodes the bytes of an `.npy` file; `array` is its name in an archive, or empty.
     pub fn decode(
         bytes: &[u8],
-        accept: Accept,
+        kind: NumberKind,
         path: &Path,
         array: &str,
     ) -> Result<Self, LoopFileError> {
@@ -52,15 +52,15 @@ impl Array {
             shape,
             start,
         } = Header::read(bytes).map_err(broken)?;
-        let (width, number): (usize, fn(&[u8]) -> f64) = match (descr, accept) {
+        let (width, number): (usize, fn(&[u8]) -> f64) = match (descr, kind) {
             ("<f8", _) => (8, |of| f64::from_le_bytes(word(of))),
             (">f8", _) => (8, |of| f64::from_be_bytes(word(of))),
             ("<f4", _) => (4, |of| f32::from_le_bytes(word(of)).into()),
             (">f4", _) => (4, |of| f32::from_be_bytes(word(of)).into()),
-            ("<i8", Accept::Numbers) => (8, |of| i64::from_le_bytes(word(of)) as f64),
-            (">i8", Accept::Numbers) => (8, |of| i64::from_be_bytes(word(of)) as f64),
-            ("<i4", Accept::Numbers) => (4, |of| i32::from_le_bytes(word(of)).into()),
-            (">i4", Accept::Numbers) => (4, |of| i32::from_be_bytes(word(of)).into()),
+            ("<i8", NumberKind::Numbers) => (8, |of| i64::from_le_bytes(word(of)) as f64),
+            (">i8", NumberKind::Numbers) => (8, |of| i64::from_be_bytes(word(of)) as f64),
+            ("<i4", NumberKind::Numbers) => (4, |of| i32::from_le_bytes(word(of)).into()),
+            (">i4", NumberKind::Numbers) => (4, |of| i32::from_be_bytes(word(of)).into()),
             _ => {
                 return Err(LoopFileError::Type {
                     path: path.to_owned(),
@@ -217,7 +217,7 @@ mod tests {
     fn decode(header: &str, values: &[u8]) -> Result<Array, String> {
         Array::decode(
             &file(header, values),
-            Accept::Numbers,
+            NumberKind::Numbers,
             Path::new("a.npy"),
             "",
         )
@@ -254,7 +254,7 @@ mod tests {
         };
         let bytes = array.encode();
         assert_eq!(header_size(&bytes).unwrap() % 64, 0);
-        let read = Array::decode(&bytes, Accept::Floats, Path::new("a.npy"), "").unwrap();
+        let read = Array::decode(&bytes, NumberKind::Floats, Path::new("a.npy"), "").unwrap();
         assert_eq!((read.shape, read.values), (array.shape, array.values));
     }
 

@@ -15,7 +15,7 @@ use symplint::{Ensemble, Snapshot};
 use crate::hashed_file::HashedFile;
 use plain::Numbers;
 
-pub use array::{Accept, Array};
+pub use array::{Array, NumberKind};
 pub use error::LoopFileError;
 pub use pair::is_partner;
 pub use table::is_header;

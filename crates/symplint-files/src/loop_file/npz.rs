@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipArchive, ZipWriter};
 
-use super::array::{Accept, Array};
+use super::array::{Array, NumberKind};
 use super::{LoopFile, LoopFileError};
 
 /// An array may unpack to this number of bytes, whatever its size in the archive: 16 MiB are two million numbers.
@@ -37,7 +37,7 @@ impl Archive<'_> {
     fn optional(
         &mut self,
         name: &'static str,
-        accept: Accept,
+        kind: NumberKind,
     ) -> Result<Option<Array>, LoopFileError> {
         let file = format!("{name}.npy");
         if !self.zip.file_names().flatten().any(|other| other == file) {
@@ -65,11 +65,11 @@ impl Archive<'_> {
                 most,
             });
         }
-        Array::decode(&bytes, accept, self.path, name).map(Some)
+        Array::decode(&bytes, kind, self.path, name).map(Some)
     }
 
     fn required(&mut self, name: &'static str) -> Result<Array, LoopFileError> {
-        let found = self.optional(name, Accept::Floats)?;
+        let found = self.optional(name, NumberKind::Floats)?;
         found.ok_or_else(|| LoopFileError::Missing {
             path: self.path.to_owned(),
             array: name,
@@ -83,7 +83,7 @@ impl Archive<'_> {
         name: &'static str,
         dof: usize,
     ) -> Result<Option<Vec<f64>>, LoopFileError> {
-        let Some(array) = self.optional(name, Accept::Numbers)? else {
+        let Some(array) = self.optional(name, NumberKind::Numbers)? else {
             return Ok(None);
         };
         let got = array.values.len();
@@ -120,7 +120,7 @@ pub fn read(path: &Path, fewest: usize) -> Result<LoopFile, LoopFileError> {
     })?;
     let mut archive = Archive { path, bytes, zip };
     // ∮ ϑ·dz of non-canonical coordinates is ∮ p·dq with q = z and p = ϑ.
-    let (q, p) = match archive.optional("theta", Accept::Floats)? {
+    let (q, p) = match archive.optional("theta", NumberKind::Floats)? {
         Some(theta) => (archive.required("z")?, theta),
         None => (archive.required("q")?, archive.required("p")?),
     };

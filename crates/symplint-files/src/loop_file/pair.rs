@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use super::array::{Accept, Array};
+use super::array::{Array, NumberKind};
 use super::{LoopFile, LoopFileError, MIN_SAMPLES};
 
 /// The files of positions and momenta that a name stands for: `loop_q.npy`, `loop_p.npy` or `loop.npy`
@@ -36,7 +36,7 @@ pub fn read(path: &Path) -> Result<LoopFile, LoopFileError> {
             path: path.to_owned(),
             reason: error.to_string(),
         })?;
-        Array::decode(&bytes, Accept::Floats, path, "")
+        Array::decode(&bytes, NumberKind::Floats, path, "")
     };
     let (q, p) = pair_of(path);
     LoopFile::from_arrays(path, &load(&q)?, &load(&p)?, MIN_SAMPLES)

@@ -24,9 +24,9 @@ macro_rules! dispatched {
             ) $(-> $output)? $body
 
             if multiversion::target::target_cfg_f!(any(target_feature = "fma", target_arch = "aarch64")) {
-                body::<$crate::elementary::Fused>($($argument),*)
+                body::<$crate::elementary::FusedArithmetic>($($argument),*)
             } else {
-                body::<$crate::elementary::Separate>($($argument),*)
+                body::<$crate::elementary::SeparateArithmetic>($($argument),*)
             }
         }
     };

@@ -25,10 +25,10 @@ pub trait Arithmetic {
 }
 
 /// Rounded once: for processors with fused multiply-adds. Others would call a library for each.
-pub struct Fused;
+pub struct FusedArithmetic;
 
 /// Rounded twice.
-pub struct Separate;
+pub struct SeparateArithmetic;
 
 /// π/2 = A + B + C to 2^-141. B has 33 bits, so n B is exact.
 const A: f64 = std::f64::consts::FRAC_PI_2;
@@ -46,7 +46,7 @@ const A_REST: f64 = A - A_HEAD;
 // · The rounding error of n C, below 2^-120, is what remains: no double in question is closer to a
 //   multiple of π/2 than 2^-61.
 
-impl Arithmetic for Fused {
+impl Arithmetic for FusedArithmetic {
     #[inline(always)]
     fn mul_add(a: f64, b: f64, c: f64) -> f64 {
         a.mul_add(b, c)
@@ -61,7 +61,7 @@ impl Arithmetic for Fused {
     }
 }
 
-impl Arithmetic for Separate {
+impl Arithmetic for SeparateArithmetic {
     #[inline(always)]
     fn mul_add(a: f64, b: f64, c: f64) -> f64 {
         a * b + c
@@ -77,20 +77,20 @@ impl Arithmetic for Separate {
 }
 
 /// |x| = y + tail + quadrant π/2, where all bits but the last two of the quadrant are without meaning.
-struct Reduced {
+struct ReducedArgument {
     y: f64,
     tail: f64,
     quadrant: u64,
 }
 
 #[inline(always)]
-fn reduced<M: Arithmetic>(x: f64) -> Reduced {
+fn reduced<M: Arithmetic>(x: f64) -> ReducedArgument {
     // A number added to this has its units in the last bit.
     const ROUNDER: f64 = 6_755_399_441_055_744.0;
     let x = x.abs();
     let shifted = M::mul_add(x, std::f64::consts::FRAC_2_PI, ROUNDER);
     let (y, tail) = M::remainder(x, shifted - ROUNDER);
-    Reduced {
+    ReducedArgument {
         y,
         tail,
         quadrant: shifted.to_bits(),
@@ -148,7 +148,7 @@ fn chosen(quadrant: u64, even: f64, odd: f64) -> u64 {
 
 #[inline(always)]
 fn lane<M: Arithmetic>(x: f64) -> (f64, f64) {
-    let Reduced { y, tail, quadrant } = reduced::<M>(x);
+    let ReducedArgument { y, tail, quadrant } = reduced::<M>(x);
     let (sin, cos) = polynomials::<M>(y, tail);
     // The sine turns with the sign of x, and −0 keeps its own.
     let sin_sign = (quadrant << 62 ^ x.to_bits()) & SIGN;

@@ -13,7 +13,7 @@ mod kernel;
 mod lanes;
 
 pub(crate) use dispatch::dispatched;
-pub(crate) use kernel::{Arithmetic, Fused, LANES, Separate, cos, sin};
+pub(crate) use kernel::{Arithmetic, FusedArithmetic, LANES, SeparateArithmetic, cos, sin};
 pub(crate) use lanes::{LaneMap, Lanes, map_lanes};
 
 /// sin x.

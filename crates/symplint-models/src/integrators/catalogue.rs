@@ -6,7 +6,7 @@ use super::{aliases, splitting_methods, tableaus};
 use crate::error::ModelError;
 use crate::model::Model;
 
-pub use super::maker::{Made, Maker};
+pub use super::maker::{Maker, MapResult};
 
 /// What there is to know of an integrator before it is built.
 #[derive(Clone, Copy, Debug)]
@@ -341,7 +341,7 @@ impl Catalogue {
         name: &str,
         variant: Option<&str>,
         system: impl Into<Model>,
-    ) -> Made {
+    ) -> MapResult {
         let ((info, variant), model) = (self.resolve(name, variant)?, system.into());
         let index = info
             .variants
@@ -377,7 +377,7 @@ impl Catalogue {
 ///
 /// # Errors
 /// As [`Catalogue::build`].
-pub fn build(name: &str, variant: Option<&str>, system: impl Into<Model>) -> Made {
+pub fn build(name: &str, variant: Option<&str>, system: impl Into<Model>) -> MapResult {
     CATALOGUE.build(StageSolver::default(), name, variant, system)
 }
 

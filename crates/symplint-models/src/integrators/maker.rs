@@ -10,7 +10,7 @@ use crate::error::ModelError;
 use crate::model::Model;
 
 /// A map, or the reason why it cannot be made.
-pub type Made = Result<Box<dyn TimeAdvance>, ModelError>;
+pub type MapResult = Result<Box<dyn TimeAdvance>, ModelError>;
 
 /// How an integrator of the catalogue is made.
 #[derive(Clone, Copy, Debug)]
@@ -37,7 +37,7 @@ pub enum Maker {
         /// Whether its steps have equations to be solved, by a [`StageSolver`].
         is_implicit: bool,
         /// The map, or nothing if it is not for this system.
-        make: fn(&Model, StageSolver) -> Option<Made>,
+        make: fn(&Model, StageSolver) -> Option<MapResult>,
     },
 }
 
@@ -52,8 +52,8 @@ impl Maker {
     }
 
     /// The map, or nothing if it is not for this kind of system.
-    pub(super) fn make(self, model: Model, solver: StageSolver) -> Option<Made> {
-        fn boxed<M: TimeAdvance + 'static>(map: Result<M, ModelError>) -> Option<Made> {
+    pub(super) fn make(self, model: Model, solver: StageSolver) -> Option<MapResult> {
+        fn boxed<M: TimeAdvance + 'static>(map: Result<M, ModelError>) -> Option<MapResult> {
             Some(map.map(|map| Box::new(map) as Box<dyn TimeAdvance>))
         }
         match (self, model) {

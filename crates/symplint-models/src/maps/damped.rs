@@ -12,19 +12,19 @@ use crate::tangent::no_tangent;
 /// 1 − exp(−γh), of order h: conformally symplectic (R. I. McLachlan & M. Perlmutter, "Conformal
 /// Hamiltonian systems", J. Geom. Phys. 39 (2001) 276).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Damped<M> {
+pub struct DampedMap<M> {
     map: M,
     rate: f64,
 }
 
-impl<M: TimeAdvance> Damped<M> {
+impl<M: TimeAdvance> DampedMap<M> {
     /// `map`, damped at the rate γ = `rate`; a negative rate drives.
     ///
     /// # Errors
     /// If the rate is not finite.
     pub fn new(map: M, rate: f64) -> Result<Self, ModelError> {
         ModelError::check_finite("the rate of damping", rate)?;
-        Ok(Damped { map, rate })
+        Ok(DampedMap { map, rate })
     }
 
     fn damp(&self, h: f64, block: &mut Block<'_>) {
@@ -37,7 +37,7 @@ impl<M: TimeAdvance> Damped<M> {
     }
 }
 
-impl<M: TimeAdvance> TimeAdvance for Damped<M> {
+impl<M: TimeAdvance> TimeAdvance for DampedMap<M> {
     fn dof(&self) -> usize {
         self.map.dof()
     }
@@ -58,7 +58,7 @@ impl<M: TimeAdvance> TimeAdvance for Damped<M> {
     }
 }
 
-impl<M: TimeAdvance> Substeps for Damped<M> {
+impl<M: TimeAdvance> Substeps for DampedMap<M> {
     fn substeps(&self) -> usize {
         Parts::of(&self.map).count() + 1
     }
@@ -86,7 +86,7 @@ impl<M: TimeAdvance> Substeps for Damped<M> {
     }
 }
 
-impl<M: TimeAdvance> TangentMap for Damped<M> {
+impl<M: TimeAdvance> TangentMap for DampedMap<M> {
     fn advance_tangents(
         &self,
         h: f64,

@@ -10,7 +10,7 @@ mod single_precision;
 
 pub use adjoint::Adjoint;
 pub use compose::Compose;
-pub use damped::Damped;
+pub use damped::DampedMap;
 pub use inverse::Inverse;
 pub use invertible::Invertible;
 pub use single_precision::SinglePrecision;

@@ -1,6 +1,6 @@
 //! Steps of coupled pendula: the sweep that takes a drift, a kick and a drift at once.
 
-use symplint::error::StateAt;
+use symplint::error::StateLocation;
 use symplint::map::Parts;
 use symplint::state::RowsMut;
 use symplint::{Block, Ensemble, Error, TimeAdvance};
@@ -165,7 +165,7 @@ fn states_that_are_not_finite_are_found() {
                 let finite = block.all_finite();
                 match ensemble.advance(&map, 2.0) {
                     Err(Error::NotFinite {
-                        at: StateAt::Sample(6),
+                        at: StateLocation::Sample(6),
                         ..
                     }) => assert!(!finite, "{at}"),
                     // A single pendulum without neighbours may have gone on.

@@ -7,7 +7,7 @@ use symplint_models::integrators::{
     AdaptiveStrang, Flow, RungeKutta, Splitting, SplittingMethod, Substep, Variant,
     splitting_methods, tableaus,
 };
-use symplint_models::maps::{Adjoint, Compose, Damped, SinglePrecision};
+use symplint_models::maps::{Adjoint, Compose, DampedMap, SinglePrecision};
 use symplint_models::systems::{HenonHeiles, Pendulum, RotationalForce};
 use symplint_models::{DriftKick, Separable};
 
@@ -64,12 +64,12 @@ fn without_its_turning_part_the_force_is_that_of_henon_heiles() {
 
 #[test]
 fn damping_multiplies_the_two_form() {
-    let map = Damped::new(strang(Variant::PositionFirst, HenonHeiles), 0.2).unwrap();
+    let map = DampedMap::new(strang(Variant::PositionFirst, HenonHeiles), 0.2).unwrap();
     let expected = 1.0 - (-0.2_f64 * 0.5).exp();
     let defect = two_form_defect(&map, 0.5, &start());
     assert!((defect - expected).abs() < 1e-10, "{defect} for {expected}");
     assert_eq!(verdict(&map), (VerdictKind::NotSymplectic, Some(1.0)));
-    assert!(Damped::new(strang(Variant::PositionFirst, HenonHeiles), f64::NAN).is_err());
+    assert!(DampedMap::new(strang(Variant::PositionFirst, HenonHeiles), f64::NAN).is_err());
 }
 
 #[test]

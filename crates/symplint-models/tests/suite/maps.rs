@@ -7,7 +7,7 @@ use symplint::map::Repeat;
 use symplint::{Circle, Coordinates, Ensemble, TimeAdvance};
 use symplint_models::ModelError;
 use symplint_models::integrators::{RungeKutta, Splitting, Variant, splitting_methods, tableaus};
-use symplint_models::maps::{Adjoint, Compose, Damped, Inverse, Invertible, SinglePrecision};
+use symplint_models::maps::{Adjoint, Compose, DampedMap, Inverse, Invertible, SinglePrecision};
 use symplint_models::systems::{AbsoluteValue, HenonHeiles, Pendulum, PendulumArray};
 
 const VARIANTS: [Variant; 2] = [Variant::PositionFirst, Variant::MomentumFirst];
@@ -165,7 +165,7 @@ fn coordinates_are_passed_on() {
         &Adjoint(&rotor),
         &Repeat::new(&rotor, 2).unwrap(),
         &Compose::new(vec![(1.0, &rotor)]).unwrap(),
-        &Damped::new(&rotor, 0.1).unwrap(),
+        &DampedMap::new(&rotor, 0.1).unwrap(),
         &SinglePrecision(&rotor),
         &RungeKutta::separable(tableaus::rk4(), Rotor(Pendulum::default())).unwrap(),
     ];

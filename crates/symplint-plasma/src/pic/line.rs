@@ -31,13 +31,13 @@ pub(super) struct LineForce {
     /// The nodes without a particle.
     background: Vec<f64>,
     portions: Portions,
-    way: Way,
+    way: ForceMethod,
 }
 
 /// How the force comes about. It is chosen by the numbers of particles and cells, never by those of
 /// samples: a sample has the same force to the last bit in every block.
 #[derive(Clone, Debug)]
-enum Way {
+enum ForceMethod {
     Pairs(PairTable),
     /// With the background as the nodes run.
     Runs(Runs, Vec<f64>),
@@ -57,7 +57,7 @@ impl LineForce {
             portions: Portions::new(polynomials.table_len()),
             polynomials,
             background: mesh.background(weights.iter().sum()),
-            way: Way::Moments,
+            way: ForceMethod::Moments,
         };
         let (particles, cells) = (weights.len(), mesh.cells());
         if particles <= PARTICLES_PER_CELL * cells {
@@ -71,10 +71,10 @@ impl LineForce {
         force
     }
 
-    fn by_runs<const D: usize>(mesh: &Mesh<D>, weights: &[f64]) -> Way {
+    fn by_runs<const D: usize>(mesh: &Mesh<D>, weights: &[f64]) -> ForceMethod {
         let runs = Runs::new(mesh);
         let background = runs.in_all_cells(&mesh.background_of_cell(weights.iter().sum()));
-        Way::Runs(runs, background)
+        ForceMethod::Runs(runs, background)
     }
 
     fn tabulate_pairs<const N: usize>(
@@ -83,7 +83,7 @@ impl LineForce {
         solver: &FieldSolver,
     ) {
         let table = PairTable::new::<N>(self.cells, backgrounds, &self.polynomials, solver);
-        self.way = Way::Pairs(table);
+        self.way = ForceMethod::Pairs(table);
     }
 
     /// p −= τ × the gradient of the potential at the particles, for every sample.
@@ -110,8 +110,8 @@ impl LineForce {
         p: &mut RowsMut<'_>,
     ) {
         match &self.way {
-            Way::Pairs(pairs) => pairs.kick::<N>(&self.locator, weights, tau, q, p),
-            Way::Runs(runs, background) => {
+            ForceMethod::Pairs(pairs) => pairs.kick::<N>(&self.locator, weights, tau, q, p),
+            ForceMethod::Runs(runs, background) => {
                 let by = ByRuns {
                     runs,
                     background,
@@ -119,7 +119,7 @@ impl LineForce {
                 };
                 self.kick_by(by, solver, weights, tau, q, p);
             }
-            Way::Moments => {
+            ForceMethod::Moments => {
                 let by = ByMoments::<N> {
                     cells: self.cells,
                     background: &self.background,
@@ -247,7 +247,7 @@ mod tests {
             let mesh = Mesh::new(shape, cells, 0.7 * cells as f64).unwrap();
             let solver = FieldSolver::new(&mesh, passes);
             let by_moments = LineForce {
-                way: Way::Moments,
+                way: ForceMethod::Moments,
                 ..LineForce::new(&mesh, &solver, weights)
             };
             let by_runs = LineForce {

@@ -9,7 +9,7 @@ use symplint::{Coordinates, Ensemble, Snapshot, StepFailure};
 use symplint_files::{LoopFile, LoopFileError};
 
 use super::CallsError;
-use super::process::{Ended, run};
+use super::process::{ProcessEnd, run};
 use super::workspace::Workspace;
 
 /// Why a call has no result.
@@ -103,22 +103,22 @@ impl Call<'_> {
             other => CallsError::of_file(&before.path, &other),
         })?;
         let mut ended = self.run(&before.path, &after, &streams)?;
-        let is_killed = |ended: &Ended| match ended {
-            Ended::Exited(status) => status.code().is_none_or(|code| code == OF_KILLED_SHELL),
-            Ended::Killed => false,
+        let is_killed = |ended: &ProcessEnd| match ended {
+            ProcessEnd::Exited(status) => status.code().is_none_or(|code| code == OF_KILLED_SHELL),
+            ProcessEnd::Killed => false,
         };
         if is_killed(&ended) {
             // As by a system whose memory runs out: that may pass.
             ended = self.run(&before.path, &after, &streams)?;
         }
         let wrong = match ended {
-            Ended::Killed => Some(format!(
+            ProcessEnd::Killed => Some(format!(
                 "did not end within {} s and was stopped (system.timeout)",
                 self.timeout.as_secs_f64()
             )),
-            Ended::Exited(status) if !status.success() => Some(format!("ended with {status}")),
+            ProcessEnd::Exited(status) if !status.success() => Some(format!("ended with {status}")),
             // A FIFO would be waited for without a time limit.
-            Ended::Exited(_) => match fs::metadata(&after) {
+            ProcessEnd::Exited(_) => match fs::metadata(&after) {
                 Err(_) => Some("did not write {after}, the file that system.command names (--keep keeps the files of all calls)".to_owned()),
                 Ok(there) if !there.is_file() => {
                     Some("wrote {after}, which is not a regular file".to_owned())
@@ -156,7 +156,7 @@ impl Call<'_> {
         before: &Path,
         after: &Path,
         [error, output]: &[PathBuf; 2],
-    ) -> Result<Ended, CallsError> {
+    ) -> Result<ProcessEnd, CallsError> {
         let create = |path: &PathBuf| {
             let created = fs::File::create(path);
             created.map_err(|error| CallsError::of_file(path, &error))

@@ -26,9 +26,9 @@ pub use stop::stop_all;
 
 use crate::journal::{Call as JournalCall, Journal, Request};
 use call::{Call, CallFailure, Program};
-use planned::Planned;
+use planned::PlannedCalls;
 use program_file::ProgramFile;
-use stop::{UnderWay, is_stopped};
+use stop::{RunningCall, is_stopped};
 use workspace::{Workspace, kept_before};
 
 /// Limits of calls.
@@ -53,7 +53,7 @@ pub struct CommandMap {
     workspace: Workspace,
     slots: Slots,
     journal: OnceLock<Arc<Journal>>,
-    planned: OnceLock<Planned>,
+    planned: OnceLock<PlannedCalls>,
     /// Names of files that identify the program besides its own.
     files: Vec<String>,
     hashed: OnceLock<Vec<ProgramFile>>,
@@ -144,13 +144,13 @@ impl CommandMap {
     /// Makes no calls from now on: those that the journal has are replayed, those in `failed` fail, and all others are
     /// [`missing`](Self::missing), which ends the diagnosis.
     pub fn plan_only(&self, journal: Arc<Journal>, failed: HashMap<JournalCall, StepFailure>) {
-        let given = self.planned.set(Planned::new(journal, failed));
+        let given = self.planned.set(PlannedCalls::new(journal, failed));
         assert!(given.is_ok(), "a map is planned once");
     }
 
     /// The calls that were asked for and not made, each once.
     pub fn missing(&self) -> Vec<Request> {
-        self.planned.get().map_or(Vec::new(), Planned::missing)
+        self.planned.get().map_or(Vec::new(), PlannedCalls::missing)
     }
 
     /// Makes calls, some at a time, and notes their results in a journal; `made` is called after each. Returns the calls that
@@ -290,7 +290,7 @@ impl CommandMap {
             h,
         };
         let _slot = self.slots.take();
-        let under_way = UnderWay::begin();
+        let under_way = RunningCall::begin();
         let after = call.advance(&self.workspace, states);
         if after.is_err() && is_stopped() {
             // The signal ended the program, or removed its files: it did not fail.
@@ -341,7 +341,7 @@ impl TimeAdvance for CommandMap {
             is_stopped: Some(Box::new(|| {
                 // Calls that cannot be noted would be lost.
                 let lost = (self.journal.get()).is_some_and(|journal| journal.failure().is_some());
-                let lacks_calls = self.planned.get().is_some_and(Planned::lacks_calls);
+                let lacks_calls = self.planned.get().is_some_and(PlannedCalls::lacks_calls);
                 lost || self.failure().is_some() || lacks_calls
             })),
             ..Capabilities::of_coordinates(self.coordinates.clone())

@@ -7,24 +7,24 @@ use crate::journal::{Call, Journal, Key, Request, key};
 use symplint::{Block, Ensemble, StepFailure};
 
 /// The calls of a run that its journal does not have yet.
-pub struct Planned {
+pub struct PlannedCalls {
     journal: Arc<Journal>,
     /// Calls that failed, and are not asked for again.
     failed: HashMap<Call, StepFailure>,
-    asked: Mutex<Asked>,
+    asked: Mutex<CallRequests>,
 }
 
 #[derive(Default)]
-struct Asked {
+struct CallRequests {
     /// Calls that were announced, and are not asked for yet.
     begun: HashMap<Key, VecDeque<Call>>,
     missing: Vec<Request>,
 }
 
-impl Planned {
+impl PlannedCalls {
     /// Calls are taken from the journal, or have failed.
     pub fn new(journal: Arc<Journal>, failed: HashMap<Call, StepFailure>) -> Self {
-        Planned {
+        PlannedCalls {
             journal,
             failed,
             asked: Mutex::default(),
@@ -85,7 +85,7 @@ impl Planned {
         missing
     }
 
-    fn asked(&self) -> MutexGuard<'_, Asked> {
+    fn asked(&self) -> MutexGuard<'_, CallRequests> {
         self.asked.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }

@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use super::stop::is_stopped;
 
 /// How a process ended. The processes that it left behind were killed then.
-pub enum Ended {
+pub enum ProcessEnd {
     /// By itself.
     Exited(ExitStatus),
     /// It was killed after the time limit, or because this program ends.
@@ -29,7 +29,7 @@ pub fn run(
     folder: &Path,
     [output, error]: [File; 2],
     timeout: Duration,
-) -> io::Result<Ended> {
+) -> io::Result<ProcessEnd> {
     let mut command = Command::new(&words[0]);
     command.args(&words[1..]).stdin(Stdio::null());
     command.stdout(output).stderr(error);
@@ -46,13 +46,13 @@ pub fn run(
         if has_ended(&mut child)? {
             // Before the process is waited for: after that the number of its group may be that of another one.
             kill_group(&mut child);
-            return Ok(Ended::Exited(child.wait()?));
+            return Ok(ProcessEnd::Exited(child.wait()?));
         }
         let left = timeout.saturating_sub(started.elapsed());
         if left.is_zero() || is_stopped() {
             kill_group(&mut child);
             child.wait()?;
-            return Ok(Ended::Killed);
+            return Ok(ProcessEnd::Killed);
         }
         std::thread::sleep(poll.min(left));
         poll = (2 * poll).min(POLLS[1]);

@@ -39,13 +39,13 @@ pub fn is_stopped() -> bool {
 }
 
 /// A call, whose process [`stop_all`] waits for.
-pub struct UnderWay(());
+pub struct RunningCall(());
 
-impl UnderWay {
+impl RunningCall {
     /// Begins a call. Waits for ever after [`stop_all`].
     pub fn begin() -> Self {
         CALLS.fetch_add(1, Ordering::SeqCst);
-        let call = UnderWay(());
+        let call = RunningCall(());
         match is_stopped() {
             true => call.wait_for_ever(),
             false => call,
@@ -61,7 +61,7 @@ impl UnderWay {
     }
 }
 
-impl Drop for UnderWay {
+impl Drop for RunningCall {
     fn drop(&mut self) {
         CALLS.fetch_sub(1, Ordering::SeqCst);
     }

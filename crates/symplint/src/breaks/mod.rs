@@ -95,14 +95,14 @@ pub fn find_break(
     let count = EvaluationCount::unlimited();
     let evaluator = Evaluator::new(map, &count)?;
     match find_break_with(&evaluator, phase_loop, h, advanced)? {
-        Search::Found(found) => Ok(Some(found)),
-        Search::Clean | Search::Unaffordable => Ok(None),
+        BreakSearch::Found(found) => Ok(Some(found)),
+        BreakSearch::Clean | BreakSearch::Unaffordable => Ok(None),
     }
 }
 
 /// The result of a search for a break.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Search {
+pub(crate) enum BreakSearch {
     /// The samples show no jump, or what looked like one is continuous.
     Clean,
     /// A break.
@@ -117,7 +117,7 @@ pub(crate) fn find_break_with(
     phase_loop: &dyn Loop,
     h: f64,
     advanced: &Ensemble,
-) -> Result<Search, Error> {
+) -> Result<BreakSearch, Error> {
     let dof = phase_loop.dof();
     evaluator.check_dof(dof)?;
     Error::check_length("rows of the advanced samples", dof, advanced.dof())?;
@@ -132,7 +132,7 @@ pub(crate) fn find_break_in(
     h: f64,
     advanced: &Ensemble,
     rows: &[[bool; 2]],
-) -> Result<Search, Error> {
+) -> Result<BreakSearch, Error> {
     let suspects = suspects(advanced, evaluator.coordinates(), rows);
     let samples = advanced.samples();
     follow_up(evaluator, phase_loop, h, &suspects, samples, Some(advanced))
@@ -170,17 +170,17 @@ pub(crate) fn follow_up(
     suspects: &[Suspect],
     samples: usize,
     known: Option<&Ensemble>,
-) -> Result<Search, Error> {
+) -> Result<BreakSearch, Error> {
     for suspect in suspects {
         if evaluator.count().left() < limits::MAX_EVALUATIONS_OF_SUSPECT {
-            return Ok(Search::Unaffordable);
+            return Ok(BreakSearch::Unaffordable);
         }
         let found = follow::follow(evaluator, phase_loop, h, suspect, samples, known)?;
-        if found != Search::Clean {
+        if found != BreakSearch::Clean {
             return Ok(found);
         }
     }
-    Ok(Search::Clean)
+    Ok(BreakSearch::Clean)
 }
 
 /// The most suspicious cells of samples in memory, those that stand out most first.
@@ -354,9 +354,9 @@ mod tests {
         evaluator.learn_grain(circle, 256, |c, k| crate::state::coordinate(&states, c)[k]);
         assert!(evaluator.grain().is_some());
         match find_break_with(&evaluator, circle, 0.5, &states).unwrap() {
-            Search::Found(found) => Some(found),
-            Search::Clean => None,
-            Search::Unaffordable => panic!("without a limit"),
+            BreakSearch::Found(found) => Some(found),
+            BreakSearch::Clean => None,
+            BreakSearch::Unaffordable => panic!("without a limit"),
         }
     }
 

@@ -22,7 +22,7 @@ pub struct BreakSides {
     /// All momenta that do.
     pub jumping_p: usize,
     /// The time that leads from one side to the other along the flow of the map, if there is one.
-    pub along_flow: Option<AlongFlow>,
+    pub along_flow: Option<BreakAlongFlow>,
     /// The degree of freedom that led to the break.
     pub of_break: usize,
     /// Its states at this break and at further ones.
@@ -53,7 +53,7 @@ pub struct CoordinateAtBreak {
 
 /// A break whose one side the map takes to the other.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct AlongFlow {
+pub struct BreakAlongFlow {
     /// The step size that does so, as a part of h.
     pub part: f64,
     /// By how much it misses the other side, as a part of the jump.

@@ -70,14 +70,14 @@ pub struct Omission {
     /// Which.
     pub check: Check,
     /// Why.
-    pub why: Why,
+    pub why: OmissionReason,
 }
 
 /// Why a check was left out.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
-pub enum Why {
+pub enum OmissionReason {
     /// The budget was too small.
     Budget {
         /// The least number that is missing: step sizes of the given loop, numbers of samples of a sweep, random loops; 1 of other checks.
@@ -99,16 +99,16 @@ pub enum Why {
     },
 }
 
-impl Why {
+impl OmissionReason {
     /// Of a check of one part that the budget did not allow.
-    pub(crate) const BUDGET: Why = Why::Budget { missing: 1 };
+    pub(crate) const BUDGET: OmissionReason = OmissionReason::Budget { missing: 1 };
 }
 
 impl Omission {
     /// What of this check the budget did not allow; 0 if this is another omission.
     pub(crate) fn missing(&self, check: Check) -> usize {
         match self.why {
-            Why::Budget { missing } if self.check == check => missing,
+            OmissionReason::Budget { missing } if self.check == check => missing,
             _ => 0,
         }
     }

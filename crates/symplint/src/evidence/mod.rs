@@ -15,8 +15,8 @@ mod step;
 mod structure;
 mod survey;
 
-pub use break_sides::{AlongFlow, BreakSides, CoordinateAtBreak, PositionAtBreak};
-pub use checks::{Check, Evaluations, Omission, Why};
+pub use break_sides::{BreakAlongFlow, BreakSides, CoordinateAtBreak, PositionAtBreak};
+pub use checks::{Check, Evaluations, Omission, OmissionReason};
 pub use localisation::{Contraction, Localisation, Sector, SubstepDefect};
 pub use long_time::{EnergyInTime, LongTime, LoopAtStep};
 pub(crate) use motion::{
@@ -24,10 +24,10 @@ pub(crate) use motion::{
 };
 pub use motion::{Motion, Reach};
 pub use picture::LoopPicture;
-pub use point::{BreakAt, Point, Sweep};
+pub use point::{LoopBreak, Point, Sweep};
 pub use preserved_form::{DigitsOfMatrix, FormEntry, FormOnLoop, PreservedForm};
 pub(crate) use preserved_form::{monomial, uncertain_part};
-pub use step::{Closing, JumpingCells, StepEvidence, Wrap};
+pub use step::{ClosedBreaks, JumpingCells, StepEvidence, Wrap};
 pub(crate) use step::{MAX_BOUND_ON_DEFECT, MAX_CELLS_BETWEEN_SAMPLES};
 pub use structure::{EnergyAtStep, EnergyChange, ReturnDefect, StructureEvidence};
 pub use survey::{
@@ -62,7 +62,7 @@ pub struct Evidence {
     pub sample_sweep: Vec<StepEvidence>,
     /// The breaks that were found: all of the given loop at the largest step size, by the piecewise
     /// rule; else the largest one of each advanced loop.
-    pub breaks: Vec<BreakAt>,
+    pub breaks: Vec<LoopBreak>,
     /// Both sides of a break.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub break_sides: Option<BreakSides>,

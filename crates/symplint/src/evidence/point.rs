@@ -92,7 +92,7 @@ impl Point {
 
 /// A break, and the advanced loop that has it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct BreakAt {
+pub struct LoopBreak {
     /// Which loop: 0 is the given one, the others are random.
     #[serde(rename = "loop")]
     pub loop_index: usize,

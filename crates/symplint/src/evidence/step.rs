@@ -26,7 +26,7 @@ pub struct StepEvidence {
     /// The largest break of the advanced loop that is known.
     pub jump: Option<Break>,
     /// What closing the breaks gives, if all of them are known.
-    pub closing: Option<Closing>,
+    pub closing: Option<ClosedBreaks>,
     /// Those of its breaks at which rounding decides on which side of them a state is.
     #[serde(default)]
     pub flickering: usize,
@@ -56,7 +56,7 @@ pub struct StepEvidence {
 
 /// A loop whose breaks are closed.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Closing {
+pub struct ClosedBreaks {
     /// Breaks.
     pub breaks: usize,
     /// The contribution of the closing segments to the loop integral.
@@ -101,7 +101,7 @@ pub(crate) const MAX_CELLS_BETWEEN_SAMPLES: f64 = 0.5;
 /// gives bounds of 1e-7 and should pass.
 pub(crate) const MAX_BOUND_ON_DEFECT: f64 = 1e-6;
 
-impl Closing {
+impl ClosedBreaks {
     /// Whether the closed integral changes, however the breaks are closed: what other curves than straight segments could
     /// make is a part of its uncertainty then.
     pub fn is_changed(&self) -> bool {

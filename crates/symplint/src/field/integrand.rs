@@ -5,7 +5,7 @@
 
 use super::FieldKind;
 use super::limits::MAX_VALUES_PER_CALL;
-use crate::error::{Error, StateAt};
+use crate::error::{Error, StateLocation};
 use crate::loops::{FourierLoop, Loop};
 use crate::map::Evaluator;
 use crate::signal::CompensatedSum;
@@ -139,7 +139,7 @@ impl Integrand<'_> {
                 self.add_action(&states, &velocity, moments);
             }
             (self.evaluator.advance(&mut states, 1.0))
-                .map_err(|error| error.at(|sample| StateAt::RandomLoop(s[sample])))?;
+                .map_err(|error| error.at(|sample| StateLocation::RandomLoop(s[sample])))?;
             power.extend(self.add_states(&states, &velocity, moments.as_deref_mut()));
         }
         match power.iter().find(|power| !power.is_finite()) {

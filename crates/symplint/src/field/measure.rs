@@ -1,6 +1,6 @@
 //! All loops and pairs of a test, within its budget.
 
-use super::evidence::{FieldEvidence, FieldKind, LoopKind, LoopWork, OmittedPart};
+use super::evidence::{FieldEvidence, FieldKind, ForceLoop, LoopWork, OmittedPart};
 use super::integrand::Integrand;
 use super::limits::{
     EVALUATIONS_PER_LOOP, FIRST_SAMPLES, FIRST_SAMPLES_OF_PAIR, MAX_ONE_POSITION_SAMPLES,
@@ -155,7 +155,7 @@ impl Measurement<'_> {
         let limits = self.limits(samples, loops + winding, evidence);
         evidence
             .loops
-            .push(first.finish(LoopKind::Random, known, limits)?);
+            .push(first.finish(ForceLoop::Random, known, limits)?);
         for k in 1..loops {
             if self.left() < FIRST_SAMPLES {
                 break;
@@ -164,7 +164,7 @@ impl Measurement<'_> {
                 let phase_loop = self.random(k, factor)?;
                 let limits = self.limits(samples, loops + winding - k, evidence);
                 let begun = Integration::begin(self.integrand, &phase_loop, FIRST_SAMPLES)?;
-                begun.finish(LoopKind::Random, known, limits)
+                begun.finish(ForceLoop::Random, known, limits)
             };
             let factor = if k % 2 == 1 { self.wide } else { 1.0 };
             let work = match measure(factor) {
@@ -199,7 +199,7 @@ impl Measurement<'_> {
                 ..self.limits(MAX_SAMPLES_OF_DOUBLING, periods.len() - k, evidence)
             };
             let begun = Integration::begin(self.integrand, &phase_loop, FIRST_SAMPLES);
-            let kind = LoopKind::Winding { dof };
+            let kind = ForceLoop::Winding { dof };
             match begun.and_then(|begun| begun.finish(kind, known, limits)) {
                 // On its way around the period an atom may meet others.
                 Err(error) if error.is_of_map() => {
@@ -231,7 +231,8 @@ impl Measurement<'_> {
             };
             let phase_loop = self.random(first + k, factor * self.wide)?;
             let begun = Integration::begin(self.integrand, &phase_loop, FIRST_SAMPLES);
-            let work = match begun.and_then(|begun| begun.finish(LoopKind::Random, known, limits)) {
+            let work = match begun.and_then(|begun| begun.finish(ForceLoop::Random, known, limits))
+            {
                 // Far away the force need not exist.
                 Err(error) if error.is_of_map() => continue,
                 found => found?,
@@ -270,7 +271,7 @@ pub(super) fn range(radius: &[f64]) -> (f64, f64) {
 fn damping(evidence: &FieldEvidence) -> Option<(f64, f64)> {
     let random = || {
         let loops = evidence.loops.iter();
-        loops.filter(|work| work.kind == LoopKind::Random)
+        loops.filter(|work| work.kind == ForceLoop::Random)
     };
     if evidence.kind == FieldKind::Force || !random().all(LoopWork::is_clear) {
         return None;

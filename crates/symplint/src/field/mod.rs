@@ -30,16 +30,16 @@ mod text;
 mod work;
 
 pub use evidence::{
-    CoordinateName, Curl, FieldEvidence, FieldKind, LoopKind, LoopWork, OmittedPart, WorstPair,
+    CoordinateName, Curl, FieldEvidence, FieldKind, ForceLoop, LoopWork, OmittedPart, WorstPair,
 };
 pub use judge::{Certainty, FieldReport, FieldVerdict};
 
-use crate::error::{Error, StateAt};
+use crate::error::{Error, StateLocation};
 use crate::map::{EvaluationCount, Evaluator, PerSample, TimeAdvance};
 use integrand::Integrand;
 use limits::MIN_BUDGET;
 use measure::{Measurement, range};
-use radius::Reach;
+use radius::LoopRadii;
 
 /// How far the loops of a [`FieldTest`] reach from the centre.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -178,7 +178,7 @@ impl FieldTest {
         let count = EvaluationCount::new(self.budget);
         let evaluator = Evaluator::new(field, &count)?.without_step_size();
         self.check(&evaluator, q0, p0)?;
-        let Reach { radius, wide } = self.reach(&evaluator, kind, (q0, p0))?;
+        let LoopRadii { radius, wide } = self.reach(&evaluator, kind, (q0, p0))?;
         let mut integrand = Integrand {
             evaluator: &evaluator,
             kind,
@@ -252,7 +252,7 @@ impl FieldTest {
         evaluator: &Evaluator<'_>,
         kind: FieldKind,
         centre: (&[f64], &[f64]),
-    ) -> Result<Reach, Error> {
+    ) -> Result<LoopRadii, Error> {
         let coordinates = match kind {
             FieldKind::Force => centre.0.len(),
             FieldKind::Field => 2 * centre.0.len(),
@@ -277,7 +277,7 @@ impl FieldTest {
         }
         match radius.iter().all(|&r| r == 0.0) {
             true => wrong(0.0, "give one that is not 0"),
-            false => Ok(Reach { radius, wide: 1.0 }),
+            false => Ok(LoopRadii { radius, wide: 1.0 }),
         }
     }
 }
@@ -297,7 +297,7 @@ fn unit(integrand: &Integrand<'_>, centre: (&[f64], &[f64]), seed: u64) -> Resul
                 .fold(0.0, |most: f64, row| most.max(row[0].abs())),
         )
     };
-    let at_centre = largest(0.0).map_err(|error| error.at(|_| StateAt::Centre))?;
+    let at_centre = largest(0.0).map_err(|error| error.at(|_| StateLocation::Centre))?;
     let beside = match largest(0.5) {
         // A loop that fails there says where.
         Err(error) if error.is_of_map() => 0.0,

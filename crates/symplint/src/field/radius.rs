@@ -9,7 +9,7 @@ use super::limits::{
     EVALUATIONS_BEFORE_LOOPS, FACTOR_OF_WIDE_LOOPS, MAX_HALVINGS_OF_RADIUS, MAX_NONLINEAR_PART,
     MAX_ROUNDING_NOISE, PART_OF_CENTRE,
 };
-use crate::error::{Error, StateAt};
+use crate::error::{Error, StateLocation};
 use crate::map::Evaluator;
 use crate::signal::unit;
 use crate::state::{Ensemble, coordinate_mut};
@@ -63,7 +63,7 @@ fn size_of(values: &[f64]) -> f64 {
 }
 
 /// How far loops reach.
-pub(super) struct Reach {
+pub(super) struct LoopRadii {
     /// In each coordinate, positions first.
     pub radius: Vec<f64>,
     /// Every second loop is this many times as large.
@@ -81,7 +81,7 @@ pub(super) fn suggested(
     kind: FieldKind,
     centre: (&[f64], &[f64]),
     seed: u64,
-) -> Result<Reach, Error> {
+) -> Result<LoopRadii, Error> {
     let dof = centre.0.len();
     let mut largest = Vec::new();
     let mut best: Option<(f64, f64)> = None;
@@ -93,12 +93,12 @@ pub(super) fn suggested(
         unit: 1.0,
     };
     let towards = direction(2 * dof, seed, 0);
-    let reach = |factor: f64| Reach {
+    let reach = |factor: f64| LoopRadii {
         radius: integrand.radius.iter().map(|r| factor * r).collect(),
         wide: FACTOR_OF_WIDE_LOOPS.min(factor.recip()),
     };
     let middle = (integrand.form(displaced(centre, &integrand.radius, &towards, &[0.0])))
-        .map_err(|error| error.at(|_| StateAt::Centre))?;
+        .map_err(|error| error.at(|_| StateLocation::Centre))?;
     let of_middle = norm(middle.iter().map(|row| row[0]));
     let sides = |factor: f64| {
         integrand.form(displaced(

@@ -5,7 +5,7 @@ use std::fmt;
 use serde::ser::SerializeStruct;
 use serde::{Serialize, Serializer};
 
-use super::evidence::{FieldKind, LoopKind, LoopWork, OmittedPart};
+use super::evidence::{FieldKind, ForceLoop, LoopWork, OmittedPart};
 use super::judge::{Certainty, FieldReport, FieldVerdict};
 use crate::signal::SIGNIFICANT;
 use crate::text::{plain_numbers, two_digits};
@@ -62,7 +62,7 @@ impl FieldReport {
                     .filter(|work| {
                         !matches!(
                             work.kind,
-                            LoopKind::Directions | LoopKind::Coordinates { .. }
+                            ForceLoop::Directions | ForceLoop::Coordinates { .. }
                         )
                     })
                     .map(LoopWork::bound)
@@ -291,12 +291,12 @@ impl FieldReport {
 /// `on a random loop`.
 fn place(work: &LoopWork) -> String {
     match work.kind {
-        LoopKind::Random => "on a random loop".into(),
-        LoopKind::Directions => "around a small ellipse along two random directions".into(),
-        LoopKind::Coordinates { first, second } => {
+        ForceLoop::Random => "on a random loop".into(),
+        ForceLoop::Directions => "around a small ellipse along two random directions".into(),
+        ForceLoop::Coordinates { first, second } => {
             format!("around a small circle in the plane of {first} and {second}")
         }
-        LoopKind::Winding { dof } => format!("around the period of q[{dof}]"),
+        ForceLoop::Winding { dof } => format!("around the period of q[{dof}]"),
     }
 }
 
@@ -324,10 +324,10 @@ impl fmt::Display for FieldReport {
         )?;
         for work in &self.evidence.loops {
             let name = match work.kind {
-                LoopKind::Random => "random".into(),
-                LoopKind::Directions => "two random directions".into(),
-                LoopKind::Coordinates { first, second } => format!("plane of {first}, {second}"),
-                LoopKind::Winding { dof } => format!("around the period of q[{dof}]"),
+                ForceLoop::Random => "random".into(),
+                ForceLoop::Directions => "two random directions".into(),
+                ForceLoop::Coordinates { first, second } => format!("plane of {first}, {second}"),
+                ForceLoop::Winding { dof } => format!("around the period of q[{dof}]"),
             };
             let mark = match work.integral.abs() > SIGNIFICANT * work.error() {
                 true => " *",

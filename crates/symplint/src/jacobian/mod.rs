@@ -110,7 +110,7 @@ impl JacobianTest {
     /// If map and loop do not fit, an area of the loop is beyond the range of doubles, the step size is
     /// zero or not finite, there are no points, fewer than two tangent vectors or a smaller budget than the
     /// [`evaluations`](Self::evaluations), or the map fails or returns states that are not finite, on the loop or
-    /// displaced from it: [`StateAt::Displaced`](crate::error::StateAt::Displaced) says from which s.
+    /// displaced from it: [`StateLocation::Displaced`](crate::error::StateLocation::Displaced) says from which s.
     pub fn run(
         &self,
         map: &dyn TimeAdvance,

@@ -10,7 +10,7 @@ use super::evidence::{JacobianMethod, TangentRejection};
 use super::frame::Frame;
 use super::noise;
 use super::richardson::{self, FINER_LEVELS, FIRST_LEVELS, finer_levels_help};
-use crate::error::{Error, StateAt};
+use crate::error::{Error, StateLocation};
 use crate::loops::Loop;
 use crate::map::{Evaluator, LoopSize};
 use crate::signal::nearest;
@@ -66,7 +66,7 @@ impl<'a> Sampler<'a> {
         if let Some(constraint) = evaluator.constraint() {
             constraint.project(&mut before.block());
         }
-        (before.check_finite(None)).map_err(|error| error.at(|k| StateAt::Loop(s[k])))?;
+        (before.check_finite(None)).map_err(|error| error.at(|k| StateLocation::Loop(s[k])))?;
         let mut sampler = Sampler {
             evaluator,
             h,
@@ -227,8 +227,8 @@ impl<'a> Sampler<'a> {
         let state = |k: usize| {
             let (vector, by) = columns[k];
             match by {
-                0.0 => StateAt::Loop(self.s[vector.point]),
-                _ => StateAt::Displaced(self.s[vector.point]),
+                0.0 => StateLocation::Loop(self.s[vector.point]),
+                _ => StateLocation::Displaced(self.s[vector.point]),
             }
         };
         (self.evaluator.advance_from(&mut states, self.h, fill))

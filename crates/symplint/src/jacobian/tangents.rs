@@ -11,7 +11,7 @@ use super::constants::CONSTANTS;
 use super::derivative::Derivative;
 use super::evidence::TangentRejection;
 use super::sampler::{Sampler, TangentVector};
-use crate::error::{Error, StateAt};
+use crate::error::{Error, StateLocation};
 use crate::signal::noise::SAFETY;
 use crate::signal::{GOLDEN_RATIO, unit};
 use crate::state::{Block, Ensemble, coordinate, coordinate_mut, in_parallel};
@@ -81,7 +81,7 @@ impl Sampler<'_> {
         };
         (self.evaluator)
             .advance_tangents(&mut states, &mut tangents, self.h, fill)
-            .map_err(|error| error.at(|k| StateAt::Loop(self.s[columns[k].0.point])))?;
+            .map_err(|error| error.at(|k| StateLocation::Loop(self.s[columns[k].0.point])))?;
         Ok((states, tangents))
     }
 

@@ -9,7 +9,7 @@ use super::{
     Capabilities, Constraint, Difference, Energy, Parts, ProjectedLoop, Reversal, StepFailure,
     TimeAdvance, Witnesses,
 };
-use crate::error::{Error, StateAt};
+use crate::error::{Error, StateLocation};
 use crate::loops::Loop;
 use crate::state::{Block, Coordinates, Ensemble, each_in_parallel, first_error, first_not_finite};
 
@@ -401,7 +401,7 @@ impl<'a> Evaluator<'a> {
     pub fn image(&self, phase_loop: &dyn Loop, h: f64, s: &[f64]) -> Result<Ensemble, Error> {
         let mut states = states_at(phase_loop, s);
         (self.advance(&mut states, h))
-            .map_err(|error| error.at(|sample| StateAt::Loop(s[sample])))?;
+            .map_err(|error| error.at(|sample| StateLocation::Loop(s[sample])))?;
         Ok(states)
     }
 }
@@ -422,7 +422,7 @@ fn checked(
 ) -> Result<(), Error> {
     advanced.map_err(|failure| Error::StepFailed {
         // A map may name a sample that the block does not have.
-        at: StateAt::Sample(first + failure.sample.min(block.len().saturating_sub(1))),
+        at: StateLocation::Sample(first + failure.sample.min(block.len().saturating_sub(1))),
         step_size: h,
         reason: failure.reason,
     })?;

@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 
 pub use number::parse as parse_number;
 pub use settings::{MAX_SAMPLES, SETTINGS};
-pub use value::{Accept, MAX_WHOLE_NUMBER, Part, Refusal, Value};
+pub use value::{MAX_WHOLE_NUMBER, NumberRange, Refusal, Value, ValuePart};
 
 use crate::diagnosis::Diagnostic;
 use crate::rules::Rule;

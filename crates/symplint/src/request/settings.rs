@@ -1,6 +1,6 @@
 //! The table of settings.
 
-use super::{Accept, MAX_WHOLE_NUMBER, Refusal, Setting, Value};
+use super::{MAX_WHOLE_NUMBER, NumberRange, Refusal, Setting, Value};
 use crate::diagnosis::{Diagnostic, MAX_LOOPS, MIN_BUDGET, SampleCount, SampleSweep};
 use crate::rules::{Closure, Cutoff, Cutoffs, Rule, RuleKind, Streaming};
 
@@ -74,7 +74,7 @@ pub const SETTINGS: &[Setting] = &[
         "1e-12",
         "tolerance of the piecewise rule, relative to the size of the loop",
         |of, value| {
-            (value.number(Accept::Positive)).map(|relative| of.piecewise.tolerance = relative)
+            (value.number(NumberRange::Positive)).map(|relative| of.piecewise.tolerance = relative)
         },
     ),
     with_default(
@@ -169,7 +169,7 @@ pub const SETTINGS: &[Setting] = &[
         "[1.0, -1.0]",
         "signs of q, then of p, that reverse time; by default, the signs of all p change",
         |of, value| {
-            let signs = value.list(|sign| sign.number(Accept::Finite))?;
+            let signs = value.list(|sign| sign.number(NumberRange::Finite))?;
             of.reversal = Some(signs);
             Ok(())
         },
@@ -248,7 +248,7 @@ fn cutoff(
     kind: fn(f64) -> Cutoff,
     of: fn(&mut Cutoffs) -> &mut Cutoff,
 ) -> Result<(), Refusal> {
-    let cutoff = kind(value.number(Accept::Positive)?);
+    let cutoff = kind(value.number(NumberRange::Positive)?);
     if let Rule::FiniteDifference(cutoffs) = &mut diagnostic.rule {
         *of(cutoffs) = cutoff;
     }
@@ -256,7 +256,7 @@ fn cutoff(
 }
 
 fn typical_step(diagnostic: &mut Diagnostic, value: &Value) -> Result<(), Refusal> {
-    diagnostic.typical_step = Some(value.number(Accept::NotZero)?);
+    diagnostic.typical_step = Some(value.number(NumberRange::NotZero)?);
     diagnostic.step_sizes = Vec::new();
     Ok(())
 }
@@ -278,7 +278,7 @@ fn step_sizes(diagnostic: &mut Diagnostic, value: &Value) -> Result<(), Refusal>
             "leave one of the two out",
         ));
     }
-    let one = |item: &Value| item.number(Accept::NotZero);
+    let one = |item: &Value| item.number(NumberRange::NotZero);
     diagnostic.step_sizes = match value {
         Value::Text(text) if text == "none" => {
             diagnostic.has_step_size = false;
@@ -297,7 +297,7 @@ fn step_sizes(diagnostic: &mut Diagnostic, value: &Value) -> Result<(), Refusal>
     if let Some(k) = (0..sizes.len()).find(|&k| sizes[..k].contains(&sizes[k])) {
         let message = format!("repeats {}", sizes[k]);
         return Err(Refusal {
-            part: Some(super::Part::Item(k)),
+            part: Some(super::ValuePart::Item(k)),
             ..Refusal::new(message, "give each step size once")
         });
     }
@@ -308,7 +308,7 @@ fn step_sizes(diagnostic: &mut Diagnostic, value: &Value) -> Result<(), Refusal>
 fn halved(value: &Value) -> Result<Vec<f64>, Refusal> {
     let one = |name| {
         let missing = || Refusal::new(format!("has no `{name}`"), "write { from = …, to = … }");
-        let size = value.key(name, |item| item.number(Accept::Positive))?;
+        let size = value.key(name, |item| item.number(NumberRange::Positive))?;
         size.ok_or_else(missing)
     };
     let (from, to) = (one("from")?, one("to")?);
@@ -348,7 +348,7 @@ fn sample_sweep(value: &Value) -> Result<SampleSweep, Refusal> {
             "numbers of samples are doubled: let `to` be the larger one",
         ));
     }
-    let step_size = value.key("step_size", |item| item.number(Accept::Positive))?;
+    let step_size = value.key("step_size", |item| item.number(NumberRange::Positive))?;
     Ok(SampleSweep {
         counts,
         step_size: step_size.unwrap_or(0.1),

@@ -26,7 +26,7 @@ pub enum Value {
 
 /// Numbers that a setting accepts.
 #[derive(Clone, Copy, Debug)]
-pub enum Accept {
+pub enum NumberRange {
     /// Every finite number.
     Finite,
     /// Finite numbers above 0.
@@ -37,23 +37,23 @@ pub enum Accept {
     NotZero,
 }
 
-impl Accept {
+impl NumberRange {
     fn expected(self) -> &'static str {
         match self {
-            Accept::Finite => "a finite number",
-            Accept::Positive => "a number above 0",
-            Accept::NotNegative => "a number that is not negative",
-            Accept::NotZero => "a finite number other than 0",
+            NumberRange::Finite => "a finite number",
+            NumberRange::Positive => "a number above 0",
+            NumberRange::NotNegative => "a number that is not negative",
+            NumberRange::NotZero => "a finite number other than 0",
         }
     }
 
     fn holds(self, value: f64) -> bool {
         value.is_finite()
             && match self {
-                Accept::Finite => true,
-                Accept::Positive => value > 0.0,
-                Accept::NotNegative => value >= 0.0,
-                Accept::NotZero => value != 0.0,
+                NumberRange::Finite => true,
+                NumberRange::Positive => value > 0.0,
+                NumberRange::NotNegative => value >= 0.0,
+                NumberRange::NotZero => value != 0.0,
             }
     }
 }
@@ -68,12 +68,12 @@ pub struct Refusal {
     /// The expected kind, if the value has another one: "a number".
     pub expected: Option<String>,
     /// The item of a list, or the key of a table, that is refused.
-    pub part: Option<Part>,
+    pub part: Option<ValuePart>,
 }
 
 /// A part of a value.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Part {
+pub enum ValuePart {
     /// An item of a list.
     Item(usize),
     /// The value of a key.
@@ -84,8 +84,8 @@ pub enum Part {
 impl std::fmt::Display for Refusal {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match &self.part {
-            Some(Part::Item(k)) => write!(f, "[{k}]")?,
-            Some(Part::Key(name)) => write!(f, ".{name}")?,
+            Some(ValuePart::Item(k)) => write!(f, "[{k}]")?,
+            Some(ValuePart::Key(name)) => write!(f, ".{name}")?,
             None => {}
         }
         write!(f, " {}; {}", self.message, self.remedy)
@@ -117,7 +117,7 @@ impl Refusal {
         }
     }
 
-    fn of(mut self, part: Part) -> Self {
+    fn of(mut self, part: ValuePart) -> Self {
         self.part = Some(part);
         self
     }
@@ -143,7 +143,7 @@ impl Value {
     ///
     /// # Errors
     /// If it is something else, or is not accepted.
-    pub fn number(&self, accept: Accept) -> Result<f64, Refusal> {
+    pub fn number(&self, range: NumberRange) -> Result<f64, Refusal> {
         let value = match self {
             Value::Whole(number) => Some(*number as f64),
             Value::Number(number) => Some(*number),
@@ -154,9 +154,9 @@ impl Value {
             let remedy = "write a number, \"2^-3\" or \"pi/2\"";
             return Err(Refusal::beside(self, "a number", remedy));
         };
-        match accept.holds(value) {
+        match range.holds(value) {
             true => Ok(value),
-            false => Err(Refusal::outside(value, accept.expected().to_owned())),
+            false => Err(Refusal::outside(value, range.expected().to_owned())),
         }
     }
 
@@ -167,7 +167,7 @@ impl Value {
     pub fn whole(&self, least: u64, most: u64) -> Result<u64, Refusal> {
         let value = match self {
             Value::Whole(value) => *value as f64,
-            _ => self.number(Accept::Finite)?,
+            _ => self.number(NumberRange::Finite)?,
         };
         if value > most as f64 {
             Err(Refusal::outside(value, format!("at most {most}")))
@@ -235,7 +235,7 @@ impl Value {
             return Err(Refusal::beside(self, "a list", "write [1.0, 2.0]"));
         };
         (list.iter().enumerate())
-            .map(|(k, item)| read(item).map_err(|refused| refused.of(Part::Item(k))))
+            .map(|(k, item)| read(item).map_err(|refused| refused.of(ValuePart::Item(k))))
             .collect()
     }
 
@@ -252,7 +252,7 @@ impl Value {
             return Err(Refusal::beside(self, "a table", "write { name = value }"));
         };
         (table.get(name))
-            .map(|value| read(value).map_err(|refused| refused.of(Part::Key(name.to_owned()))))
+            .map(|value| read(value).map_err(|refused| refused.of(ValuePart::Key(name.to_owned()))))
             .transpose()
     }
 }
@@ -267,7 +267,7 @@ mod tests {
         let value: Value = serde_json::from_str(text).unwrap();
         assert_eq!(value.key("a", Value::flag), Ok(Some(true)));
         assert_eq!(value.key("b", |of| of.whole(0, 9)), Ok(Some(3)));
-        let number = |of: &Value| of.number(Accept::Finite);
+        let number = |of: &Value| of.number(NumberRange::Finite);
         assert_eq!(value.key("c", number), Ok(Some(-0.5)));
         assert_eq!(value.key("d", number), Ok(Some(0.125)));
         assert_eq!(
@@ -287,9 +287,11 @@ mod tests {
         let refused = Value::Text("yes".into()).flag().unwrap_err();
         assert_eq!(refused.message, "is a string, not true or false");
         let list = Value::List(vec![Value::Number(1.0), Value::Number(f64::NAN)]);
-        let refused = list.list(|item| item.number(Accept::Positive)).unwrap_err();
+        let refused = list
+            .list(|item| item.number(NumberRange::Positive))
+            .unwrap_err();
         assert_eq!(refused.message, "is NaN");
-        assert_eq!(refused.part, Some(Part::Item(1)));
+        assert_eq!(refused.part, Some(ValuePart::Item(1)));
     }
 
     #[test]

@@ -5,7 +5,7 @@ use multiversion::multiversion;
 use super::{
     Defect, LoopAfterStep, LoopIntegral, LoopIntegrator, Rule, RuleKind, Samples, Subject,
 };
-use crate::breaks::{Break, Search, dof_may_jump, find_break_in, little_jumps};
+use crate::breaks::{Break, BreakSearch, dof_may_jump, find_break_in, little_jumps};
 use crate::error::Error;
 use crate::signal::Extent;
 use crate::state::{Coordinates, Ensemble};
@@ -36,14 +36,16 @@ impl LoopIntegrator for SampledRule {
         let (mut integral, rows) = LoopIntegral::looking(after, &self.0, coordinates, look)?;
         let Jumps { found, little } = jumps(subject, h, after, &rows)?;
         integral.quadrature_error = match (&found, self.0) {
-            (Search::Unaffordable, _) => None,
+            (BreakSearch::Unaffordable, _) => None,
             // The rule took a jump for a part of the loop: its error is not known.
-            (Search::Found(found), Rule::FiniteDifference(_))
+            (BreakSearch::Found(found), Rule::FiniteDifference(_))
                 if retains(&integral, found, after.samples()) =>
             {
                 None
             }
-            (Search::Clean, Rule::FiniteDifference(_)) => cross_checked(subject, after, &integral)?,
+            (BreakSearch::Clean, Rule::FiniteDifference(_)) => {
+                cross_checked(subject, after, &integral)?
+            }
             _ => integral.quadrature_error,
         };
         integral.quadrature_error = integral.quadrature_error.map(|error| error + little);
@@ -56,15 +58,15 @@ fn advanced(
     after: &Ensemble,
     initial: &LoopIntegral,
     integral: LoopIntegral,
-    found: Search,
+    found: BreakSearch,
 ) -> Result<LoopAfterStep, Error> {
     Ok(LoopAfterStep {
         defect: Defect::between(initial, &integral)?,
         regularity: integral.regularity,
         integral,
         breaks: match found {
-            Search::Found(found) => vec![found],
-            Search::Clean | Search::Unaffordable => Vec::new(),
+            BreakSearch::Found(found) => vec![found],
+            BreakSearch::Clean | BreakSearch::Unaffordable => Vec::new(),
         },
         closed: None,
         samples: after.samples(),
@@ -88,7 +90,7 @@ fn cross_checked(
 /// What advanced samples lead to.
 pub(super) struct Jumps {
     /// A break of more than rounding.
-    pub found: Search,
+    pub found: BreakSearch,
     /// What jumps contribute at most that are less than that.
     pub little: f64,
 }
@@ -102,12 +104,14 @@ pub(super) fn jumps(
 ) -> Result<Jumps, Error> {
     let (evaluator, phase_loop) = (subject.evaluator, subject.phase_loop);
     let found = match find_break_in(evaluator, phase_loop, h, after, rows)? {
-        Search::Found(found) if !found.is_substantial(ranges_of(after, found.dof)) => Search::Clean,
+        BreakSearch::Found(found) if !found.is_substantial(ranges_of(after, found.dof)) => {
+            BreakSearch::Clean
+        }
         found => found,
     };
     let little = match found {
-        Search::Clean => little_jumps(after, subject.coordinates(), &[], rows),
-        Search::Found(_) | Search::Unaffordable => 0.0,
+        BreakSearch::Clean => little_jumps(after, subject.coordinates(), &[], rows),
+        BreakSearch::Found(_) | BreakSearch::Unaffordable => 0.0,
     };
     Ok(Jumps { found, little })
 }

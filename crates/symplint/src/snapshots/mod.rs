@@ -17,7 +17,7 @@ mod pieces;
 use crate::breaks::{Break, rounding};
 use crate::error::Error;
 use crate::evidence::{
-    BreakAt, Closing, Evidence, JumpingCells, LoopEvidence, LoopKind, LoopPicture, Origin,
+    ClosedBreaks, Evidence, JumpingCells, LoopBreak, LoopEvidence, LoopKind, LoopPicture, Origin,
     StepEvidence, Survey,
 };
 use crate::rules::RuleKind;
@@ -169,8 +169,8 @@ fn closes(snapshot: &Snapshot, coordinates: &Coordinates) -> bool {
         && differ(last - 1, last, MIN_DISTANCE_IN_ROUNDINGS)
 }
 
-fn breaks_at(step: &LoopComparison) -> impl Iterator<Item = BreakAt> + '_ {
-    step.breaks.iter().map(|&found| BreakAt {
+fn breaks_at(step: &LoopComparison) -> impl Iterator<Item = LoopBreak> + '_ {
+    step.breaks.iter().map(|&found| LoopBreak {
         loop_index: 0,
         step_size: step.step_size,
         found,
@@ -188,7 +188,7 @@ fn evidence(step: &LoopComparison, samples: usize) -> StepEvidence {
         advanced: step.integral.value,
         defect: step.defect,
         jump: (step.breaks.iter().copied()).reduce(|a, b| if size(&b) > size(&a) { b } else { a }),
-        closing: step.broken.map(|broken| Closing {
+        closing: step.broken.map(|broken| ClosedBreaks {
             breaks: broken.confirmed,
             chord: broken.chord,
             closed: broken.closed_defect,

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use super::in_parallel;
 use super::rows::{CACHE_LINE, VALUES_OF_PAGE};
-use crate::error::{Error, LOOK_AT_MAP, StateAt};
+use crate::error::{Error, LOOK_AT_MAP, StateLocation};
 use crate::signal::unwrap_row;
 use crate::state::{Block, Coordinates};
 use crate::state::{Rows, RowsMut};
@@ -255,7 +255,7 @@ impl NonFiniteValue {
         Error::NotFinite {
             coordinate: self.coordinate,
             dof: self.dof,
-            at: StateAt::Sample(first_sample + self.sample),
+            at: StateLocation::Sample(first_sample + self.sample),
             step_size,
             value: self.value,
             remedy,

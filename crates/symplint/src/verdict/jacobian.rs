@@ -25,14 +25,14 @@ pub enum JacobianVerdict {
     /// The numbers do not decide.
     Undecided {
         /// Why.
-        reason: Inconclusive,
+        reason: InconclusiveReason,
     },
 }
 
 /// Why a Jacobian test does not decide.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", tag = "why")]
-pub enum Inconclusive {
+pub enum InconclusiveReason {
     /// The budget of evaluations left no point to measure at.
     NoPoints,
     /// Half the points or more have no derivative: jumps or kinks are everywhere.
@@ -115,9 +115,9 @@ pub struct JacobianFinding {
 pub fn judge_jacobian(evidence: &JacobianEvidence) -> JacobianVerdict {
     let undecided = |reason| JacobianVerdict::Undecided { reason };
     if evidence.points.is_empty() {
-        return undecided(Inconclusive::NoPoints);
+        return undecided(InconclusiveReason::NoPoints);
     }
-    let no_derivative = undecided(Inconclusive::NoDerivative {
+    let no_derivative = undecided(InconclusiveReason::NoDerivative {
         points: evidence.not_differentiable,
         of: evidence.points.len(),
     });
@@ -137,16 +137,16 @@ pub fn judge_jacobian(evidence: &JacobianEvidence) -> JacobianVerdict {
     }
     // A map without a step size approximates nothing: it is judged itself, however little it deforms.
     if evidence.step_size.is_some() && evidence.deformation < MIN_DEFORMATION {
-        return undecided(Inconclusive::LittleDeformation {
+        return undecided(InconclusiveReason::LittleDeformation {
             deformation: evidence.deformation,
         });
     }
     if exceeds(UNEXPLAINED) {
-        return undecided(Inconclusive::Unexplained { worst });
+        return undecided(InconclusiveReason::Unexplained { worst });
     }
     // Not `bound > …`: a bound that is NaN is not valid.
     if !matches!(bound, 0.0..=MAX_BOUND_ON_DEFECT) {
-        return undecided(Inconclusive::WeakBound {
+        return undecided(InconclusiveReason::WeakBound {
             bound,
             noise: evidence.noise,
         });
@@ -282,11 +282,11 @@ mod tests {
             JacobianVerdict::SymplecticAlmostEverywhere { .. } => "symplectic",
             JacobianVerdict::NotSymplectic { .. } => "not symplectic",
             JacobianVerdict::Undecided { reason } => match reason {
-                Inconclusive::NoPoints => "no points",
-                Inconclusive::NoDerivative { .. } => "no derivative",
-                Inconclusive::LittleDeformation { .. } => "little deformation",
-                Inconclusive::WeakBound { .. } => "weak bound",
-                Inconclusive::Unexplained { .. } => "unexplained",
+                InconclusiveReason::NoPoints => "no points",
+                InconclusiveReason::NoDerivative { .. } => "no derivative",
+                InconclusiveReason::LittleDeformation { .. } => "little deformation",
+                InconclusiveReason::WeakBound { .. } => "weak bound",
+                InconclusiveReason::Unexplained { .. } => "unexplained",
             },
         }
     }

@@ -18,8 +18,8 @@ use super::slope::{constant_defect, slope_of, smallest_steps_slope};
 use super::thresholds::{MAX_ORDER, MAX_UNCONFIRMED_DEFECT, MIN_TREND};
 use super::{Verdict, VerdictKind, long_time};
 use crate::evidence::{
-    Check, Evidence, LoopEvidence, LoopKind, MIN_STEP_SIZES_OF_LAW, Motion, Omission, Origin,
-    Scatter, StepEvidence, Why,
+    Check, Evidence, LoopEvidence, LoopKind, MIN_STEP_SIZES_OF_LAW, Motion, Omission,
+    OmissionReason, Origin, Scatter, StepEvidence,
 };
 use crate::jacobian::JacobianDecay;
 use crate::rules::Defect;
@@ -661,7 +661,10 @@ impl<'a> Case<'a> {
     /// Whether something was left out that evaluations would have told.
     fn wants_evaluations(&self) -> Option<Advice> {
         let by_budget = |omission: &Omission| {
-            let of_budget = matches!(omission.why, Why::Budget { .. } | Why::Unresolved);
+            let of_budget = matches!(
+                omission.why,
+                OmissionReason::Budget { .. } | OmissionReason::Unresolved
+            );
             of_budget && omission.check != Check::SampleSweep
         };
         let wanted = self.evidence.evaluations.wanted;

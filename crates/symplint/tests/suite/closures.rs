@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use symplint::error::StateAt;
+use symplint::error::StateLocation;
 use symplint::{
     Circle, Coordinates, Diagnostic, Error, PerBlock, PerSample, StepFailure, TimeAdvance,
     VerdictKind,
@@ -29,7 +29,7 @@ fn a_closure_of_a_state_may_fail_and_says_why() {
     let Error::StepFailed { at, reason, .. } = &error else {
         panic!("{error}");
     };
-    let StateAt::SampleOf { sample, samples } = at else {
+    let StateLocation::SampleOf { sample, samples } = at else {
         panic!("{error}");
     };
     // q = 1 + sin 2πs is above 1.9 there.

@@ -4,8 +4,8 @@ use VerdictKind::{BrokenLoops, NotSymplectic, Symplectic, Undecided};
 use symplint::breaks::Break;
 use symplint::evidence::LongTime;
 use symplint::evidence::{
-    Check, Closing, Contraction, DofGroup, Evidence, JumpingCells, LoopEvidence, LoopKind, Motion,
-    Omission, Origin, Rank, Reach, SingularJacobian, StepEvidence, Why, Wrap,
+    Check, ClosedBreaks, Contraction, DofGroup, Evidence, JumpingCells, LoopEvidence, LoopKind,
+    Motion, Omission, OmissionReason, Origin, Rank, Reach, SingularJacobian, StepEvidence, Wrap,
 };
 use symplint::jacobian::{
     JacobianDecay, JacobianEvidence, JacobianMethod, JacobianPoint, TangentDefect,
@@ -96,7 +96,7 @@ fn kind(evidence: &Evidence) -> VerdictKind {
 
 /// What of a check the budget did not allow.
 fn spent(check: Check, missing: usize) -> Omission {
-    let why = Why::Budget { missing };
+    let why = OmissionReason::Budget { missing };
     Omission { check, why }
 }
 
@@ -266,7 +266,7 @@ fn a_break_of_any_loop_breaks_and_closing_says_whether_that_is_all() {
         let mut evidence = of_map(vec![step(0.5, -3.0, 1e-10)]);
         let step = &mut evidence.loops[0].steps[0];
         step.jump = Some(JUMP);
-        step.closing = Some(Closing {
+        step.closing = Some(ClosedBreaks {
             breaks: 2,
             chord: 3.0,
             closed: defect(signed, uncertainty),
@@ -306,14 +306,14 @@ fn a_break_of_any_loop_breaks_and_closing_says_whether_that_is_all() {
 
 #[test]
 fn a_closed_integral_changes_by_more_than_other_curves_could_make() {
-    let closing = |signed: f64, bend: f64| Closing {
+    let closing = |signed: f64, bend: f64| ClosedBreaks {
         breaks: 1,
         chord: 1.0,
         closed: defect(signed, 1e-14),
         bend,
         straight: false,
     };
-    let judged = |closings: &[Closing]| {
+    let judged = |closings: &[ClosedBreaks]| {
         let steps = closings.iter().zip([0.5, 0.25]).map(|(&closing, h)| {
             let mut step = step(h, -3.0, 1e-10);
             (step.jump, step.closing) = (Some(JUMP), Some(closing));
@@ -555,7 +555,7 @@ fn breaks_about_which_rounding_decides_point_to_a_solver() {
         let step = &mut evidence.loops[0].steps[0];
         step.jump = Some(JUMP);
         step.flickering = flickering;
-        step.closing = Some(Closing {
+        step.closing = Some(ClosedBreaks {
             breaks,
             chord: 1e-9,
             closed: defect(0.0, 1e-14),
@@ -876,7 +876,7 @@ fn a_small_break_hides_no_large_change() {
     step.defect = defect(1e-3, 1e-9);
     for (closed, expected) in [(1e-3, NotSymplectic), (1e-6, BrokenLoops)] {
         let step = &mut evidence.loops[0].steps[1];
-        step.closing = Some(Closing {
+        step.closing = Some(ClosedBreaks {
             breaks: 1,
             chord: 0.0,
             closed: defect(closed, 1e-9),
@@ -977,7 +977,7 @@ fn advice_on_the_order_says_what_is_missing() {
     );
     spent.omissions = vec![Omission {
         check: Check::GivenLoop,
-        why: Why::Failed {
+        why: OmissionReason::Failed {
             step_size: Some(1.0),
             reason: "the map failed".into(),
         },
@@ -1272,7 +1272,7 @@ fn what_the_budget_left_out_is_said_with_what_it_would_take() {
     let mut evidence = of_map(vec![step(0.5, 0.0, 1e-3)]);
     evidence.omissions.push(Omission {
         check: Check::GivenLoop,
-        why: Why::Unresolved,
+        why: OmissionReason::Unresolved,
     });
     evidence.evaluations.wanted = 640;
     let verdict = judge(&evidence);

@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use proptest::prelude::*;
-use symplint::error::StateAt;
+use symplint::error::StateLocation;
 use symplint::map::Capabilities;
 use symplint::rules::Streaming;
 use symplint::{
@@ -498,7 +498,7 @@ fn states_that_are_not_finite_are_named_by_their_sample() {
             .initial(&phase_loop, &Coordinates::plain(1), samples)
             .unwrap_err();
         assert!(
-            matches!(error, Error::NotFinite { at: StateAt::Sample(sample), step_size: None, .. } if sample == bad),
+            matches!(error, Error::NotFinite { at: StateLocation::Sample(sample), step_size: None, .. } if sample == bad),
             "{error}"
         );
         let place = (TAU * at).sin();
@@ -511,7 +511,7 @@ fn states_that_are_not_finite_are_named_by_their_sample() {
             .integrate(&map, &circle, 0.25, samples)
             .unwrap_err();
         let Error::NotFinite {
-            at: StateAt::Sample(sample),
+            at: StateLocation::Sample(sample),
             step_size: Some(0.25),
             coordinate: "p",
             ..

@@ -22,7 +22,7 @@ pub(super) struct Convergence<'a> {
 }
 
 /// A sample that is not solved after the most iterations.
-pub(super) struct Unsolved {
+pub(super) struct UnsolvedSample {
     pub(super) sample: usize,
     /// The least change of an iteration, relative to the size of the sample.
     pub(super) change: f64,
@@ -127,7 +127,7 @@ impl<'a> Convergence<'a> {
         &mut self,
         stop: Stop,
         mut iterate: impl FnMut(&mut Self),
-    ) -> Result<(), Unsolved> {
+    ) -> Result<(), UnsolvedSample> {
         let (tolerance, max_iterations) = match stop {
             Stop::Iterations(iterations) => {
                 (0..iterations).for_each(|_| iterate(self));
@@ -144,7 +144,7 @@ impl<'a> Convergence<'a> {
                 break;
             }
         }
-        let unsolved = self.first_open().map(|(sample, change)| Unsolved {
+        let unsolved = self.first_open().map(|(sample, change)| UnsolvedSample {
             sample,
             change,
             tolerance,

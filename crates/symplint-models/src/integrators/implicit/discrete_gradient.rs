@@ -5,8 +5,8 @@ use symplint::state::Rows;
 use symplint::state::scratch::with_buffer;
 use symplint::{Block, StepFailure, TimeAdvance};
 
-use super::convergence::{Convergence, Unsolved};
-use super::field::{OfSystem, Place, SlopeField};
+use super::convergence::{Convergence, UnsolvedSample};
+use super::field::{Place, SlopeField, SystemSlopes};
 use super::solver::{Solver, StageSolver};
 use crate::error::ModelError;
 use crate::hamiltonian::Hamiltonian;
@@ -91,8 +91,8 @@ impl<H: Hamiltonian> TimeAdvance for DiscreteGradient<H> {
     }
 }
 
-fn failure(unsolved: &Unsolved) -> String {
-    let Unsolved {
+fn failure(unsolved: &UnsolvedSample) -> String {
+    let UnsolvedSample {
         change,
         tolerance,
         max_iterations,
@@ -195,7 +195,7 @@ impl<'a, H: Hamiltonian> Step<'a, H> {
     /// Velocities and forces at the middle.
     fn evaluate_slopes(&mut self) {
         self.slopes.fill(0.0);
-        let (system, shape) = (OfSystem(&self.map.system), (self.dof, self.len));
+        let (system, shape) = (SystemSlopes(&self.map.system), (self.dof, self.len));
         system.add_slopes(Place::Mean, shape, self.middle, self.slopes);
     }
 

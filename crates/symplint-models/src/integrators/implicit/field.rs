@@ -24,9 +24,9 @@ pub(super) trait SlopeField {
 }
 
 /// The slopes of a Hamiltonian: the same function everywhere.
-pub(super) struct OfSystem<'a, H>(pub &'a H);
+pub(super) struct SystemSlopes<'a, H>(pub &'a H);
 
-impl<H: Hamiltonian> SlopeField for OfSystem<'_, H> {
+impl<H: Hamiltonian> SlopeField for SystemSlopes<'_, H> {
     fn add_slopes(&self, _place: Place, shape: (usize, usize), state: &[f64], out: &mut [f64]) {
         let PhasePoints { q, p } = points(shape, state);
         let (mut velocity, mut force) = halves(shape, out);
@@ -37,13 +37,13 @@ impl<H: Hamiltonian> SlopeField for OfSystem<'_, H> {
 
 /// The derivatives of the slopes at the states of a step that is solved, a linear function of the
 /// tangent vectors at each place.
-pub(super) struct OfTangents<'a> {
+pub(super) struct TangentSlopes<'a> {
     pub derivative: SlopeTangent<'a>,
     /// States: at the start, at the mean, and at the stages in turn.
     pub states: &'a [f64],
 }
 
-impl SlopeField for OfTangents<'_> {
+impl SlopeField for TangentSlopes<'_> {
     fn add_slopes(&self, place: Place, shape: (usize, usize), tangent: &[f64], out: &mut [f64]) {
         let table = match place {
             Place::Start => 0,

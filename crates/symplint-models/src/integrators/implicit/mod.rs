@@ -18,8 +18,8 @@ use symplint::{Block, StepFailure, TimeAdvance};
 use super::tableau::TableauPair;
 use crate::error::ModelError;
 use crate::hamiltonian::Hamiltonian;
-use convergence::{Convergence, Unsolved};
-use field::{OfSystem, SlopeField};
+use convergence::{Convergence, UnsolvedSample};
+use field::{SlopeField, SystemSlopes};
 use stages::{Stages, room};
 
 /// A Runge–Kutta method, implicit or not, ordinary or partitioned, applied to any Hamiltonian.
@@ -105,8 +105,8 @@ impl<H: Hamiltonian> ImplicitRungeKutta<H> {
         })
     }
 
-    fn failure(&self, unsolved: &Unsolved) -> String {
-        let Unsolved {
+    fn failure(&self, unsolved: &UnsolvedSample) -> String {
+        let UnsolvedSample {
             change,
             tolerance,
             max_iterations,
@@ -140,7 +140,7 @@ impl<H: Hamiltonian> TimeAdvance for ImplicitRungeKutta<H> {
         let (dof, len) = (block.dof(), block.len());
         scratch::with_buffer(room(&self.method, dof, len), |room| {
             scratch::with_buffer(Convergence::room(len), |progress| {
-                let system = OfSystem(&self.system);
+                let system = SystemSlopes(&self.system);
                 let mut stages = Stages::new(&self.method, &system, h, block, room);
                 let mut convergence = Convergence::new(stages.sizes(), progress);
                 self.solve(self.solver.stop, &mut stages, &mut convergence)?;

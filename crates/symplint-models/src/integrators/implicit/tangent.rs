@@ -9,7 +9,7 @@ use symplint::state::scratch;
 use symplint::{Block, StepFailure};
 
 use super::convergence::Convergence;
-use super::field::{OfSystem, OfTangents};
+use super::field::{SystemSlopes, TangentSlopes};
 use super::stages::{Stages, room};
 use super::{ImplicitRungeKutta, StageSolver, Stop};
 use crate::hamiltonian::Hamiltonian;
@@ -60,7 +60,7 @@ impl<H: Hamiltonian> TangentMap for ImplicitRungeKutta<H> {
             let (progress, rest) = rest.split_at_mut(progress);
             let (progress_of_changes, solved) = rest.split_at_mut(progress.len());
 
-            let system = OfSystem(&self.system);
+            let system = SystemSlopes(&self.system);
             let mut stages = Stages::new(&self.method, &system, h, states, of_stages);
             let mut convergence = Convergence::new(stages.sizes(), progress);
             self.solve(self.solver.stop, &mut stages, &mut convergence)?;
@@ -80,7 +80,7 @@ impl<H: Hamiltonian> TangentMap for ImplicitRungeKutta<H> {
             }
             stages.finish(states);
 
-            let field = OfTangents {
+            let field = TangentSlopes {
                 derivative,
                 states: solved,
             };

@@ -7,7 +7,7 @@
 mod kernel;
 mod reference;
 
-use kernel::{Arithmetic, Fused, LANES, MAX_REDUCED, Separate};
+use kernel::{Arithmetic, FusedArithmetic, LANES, MAX_REDUCED, SeparateArithmetic};
 use reference::sin_cos;
 use symplint_models::elementary::{add_cos, add_sin, cos_into, sin_into};
 
@@ -47,13 +47,13 @@ const WAYS: [Way; 3] = [
     },
     Way {
         name: "fused",
-        sin: kernel_sin::<Fused>,
-        cos: kernel_cos::<Fused>,
+        sin: kernel_sin::<FusedArithmetic>,
+        cos: kernel_cos::<FusedArithmetic>,
     },
     Way {
         name: "separate",
-        sin: kernel_sin::<Separate>,
-        cos: kernel_cos::<Separate>,
+        sin: kernel_sin::<SeparateArithmetic>,
+        cos: kernel_cos::<SeparateArithmetic>,
     },
 ];
 

@@ -2,7 +2,7 @@
 
 use super::Substep;
 use super::coupling::Coupling;
-use super::orbit::{MeanFields, Orbit, Unsolved, along, felt, mean_velocity, solve_orbit};
+use super::orbit::{MeanFields, Orbit, OrbitFailure, along, felt, mean_velocity, solve_orbit};
 use crate::gempic::electromagnetic::{Gempic, difference};
 use crate::gempic::mass::product_at;
 use crate::gempic::physical::PhysicalState;
@@ -27,7 +27,7 @@ pub(super) struct MeanFieldStep<const N: usize> {
 }
 
 /// The motion of the particles in a step.
-struct Pushed {
+struct ParticleMotion {
     positions: Vec<[f64; 2]>,
     velocities: Vec<[f64; 2]>,
     /// Mean velocities of the last sub-step: where the next iteration begins.
@@ -62,10 +62,10 @@ impl<const N: usize> MeanFieldStep<N> {
         h: f64,
         state: &PhysicalState,
         fields: &MeanFields<'_>,
-        guess: Option<&Pushed>,
-    ) -> Result<Pushed, String> {
+        guess: Option<&ParticleMotion>,
+    ) -> Result<ParticleMotion, String> {
         let (cells, particles) = (self.coupling.cells(), state.x.len());
-        let mut pushed = Pushed {
+        let mut pushed = ParticleMotion {
             positions: Vec::with_capacity(particles),
             velocities: Vec::with_capacity(particles),
             means: Vec::with_capacity(particles),
@@ -88,7 +88,7 @@ impl<const N: usize> MeanFieldStep<N> {
         (a, mut guess): (usize, [f64; 2]),
         state: &PhysicalState,
         fields: &MeanFields<'_>,
-        pushed: &mut Pushed,
+        pushed: &mut ParticleMotion,
     ) -> Result<(), String> {
         let (coupling, gempic) = (&self.coupling, &self.gempic);
         let charge = gempic.charge * gempic.weights[a];
@@ -137,10 +137,12 @@ impl<const N: usize> MeanFieldStep<N> {
         Ok(())
     }
 
-    fn orbit_failure(&self, particle: usize, unsolved: &Unsolved) -> String {
+    fn orbit_failure(&self, particle: usize, unsolved: &OrbitFailure) -> String {
         let iterations = match unsolved {
-            Unsolved::Impassable(impassable) => return format!("particle {particle} {impassable}"),
-            Unsolved::NotConverged(iterations) => iterations,
+            OrbitFailure::PathObstacle(impassable) => {
+                return format!("particle {particle} {impassable}");
+            }
+            OrbitFailure::NotConverged(iterations) => iterations,
         };
         let smoother = match self.gempic.degree {
             1 => ", or a degree of 2 or more, whose fields are continuous",
@@ -153,7 +155,13 @@ impl<const N: usize> MeanFieldStep<N> {
 
     /// The mean fields that currents give: ē1 = e1 − (h/2) M1⁻¹ J1, and ē2 from Ampère's and Faraday's laws together,
     /// (M0 + (h²/4) Cᵀ M1 C) ē2 = M0 e2 + (h/2)(Cᵀ M1 b − J2).
-    fn means(&self, h: f64, state: &PhysicalState, curl: &[f64], pushed: &Pushed) -> [Vec<f64>; 2] {
+    fn means(
+        &self,
+        h: f64,
+        state: &PhysicalState,
+        curl: &[f64],
+        pushed: &ParticleMotion,
+    ) -> [Vec<f64>; 2] {
         let half = 0.5 * h;
         let (masses, width) = (&self.gempic.masses, self.gempic.width());
         let (mut e1, mut unused) = (pushed.current1.clone(), vec![0.0; state.e1.len()]);
@@ -185,7 +193,11 @@ impl<const N: usize> MeanFieldStep<N> {
     }
 
     /// What particles do, and the mean fields that their currents give.
-    fn solve(&self, h: f64, state: &PhysicalState) -> Result<(Pushed, [Vec<f64>; 2]), String> {
+    fn solve(
+        &self,
+        h: f64,
+        state: &PhysicalState,
+    ) -> Result<(ParticleMotion, [Vec<f64>; 2]), String> {
         /// Changes of this part of the state that have not fallen for `PATIENCE` iterations are round-off.
         const ROUNDOFF: f64 = 1e-12;
         const PATIENCE: usize = 3;

@@ -2,7 +2,7 @@
 
 use std::num::NonZeroUsize;
 
-use super::coupling::{Coupling, Impassable};
+use super::coupling::{Coupling, PathObstacle};
 
 /// Where on the orbit of a step fields are gathered and currents deposited.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -28,7 +28,7 @@ pub(super) struct MeanFields<'a> {
 
 /// E1, E2 and B as a particle feels them.
 #[derive(Clone, Copy, Default)]
-pub(super) struct Felt {
+pub(super) struct FieldsAtParticle {
     e1: f64,
     e2: f64,
     b: f64,
@@ -68,8 +68,8 @@ pub(super) fn felt<const N: usize>(
     fields: &MeanFields<'_>,
     x: f64,
     way: f64,
-) -> Felt {
-    let mut felt = Felt::default();
+) -> FieldsAtParticle {
+    let mut felt = FieldsAtParticle::default();
     along(coupling, is_averaged, x, way, |x, weight| {
         let place = coupling.at(x);
         let one = place.one();
@@ -81,7 +81,7 @@ pub(super) fn felt<const N: usize>(
 }
 
 /// The mean velocity of a step of size h: v̄ = v + (h q/2m)(E + v̄ × B), which is linear in v̄.
-pub(super) fn mean_velocity(v: [f64; 2], felt: Felt, half_charge: f64) -> [f64; 2] {
+pub(super) fn mean_velocity(v: [f64; 2], felt: FieldsAtParticle, half_charge: f64) -> [f64; 2] {
     let (a1, a2) = (v[0] + half_charge * felt.e1, v[1] + half_charge * felt.e2);
     let t = half_charge * felt.b;
     let factor = 1.0 / (1.0 + t * t);
@@ -89,9 +89,9 @@ pub(super) fn mean_velocity(v: [f64; 2], felt: Felt, half_charge: f64) -> [f64; 
 }
 
 /// Why an orbit was not found.
-pub(super) enum Unsolved {
+pub(super) enum OrbitFailure {
     /// An iterate cannot be followed through the cells.
-    Impassable(Impassable),
+    PathObstacle(PathObstacle),
     /// So many iterations were not enough.
     NotConverged(usize),
 }
@@ -104,7 +104,7 @@ pub(super) fn solve_orbit<const N: usize>(
     fields: &MeanFields<'_>,
     (x, v, guess): (f64, [f64; 2], [f64; 2]),
     (h, half_charge): (f64, f64),
-) -> Result<[f64; 2], Unsolved> {
+) -> Result<[f64; 2], OrbitFailure> {
     /// An iteration contracts by h² ∂E/∂x, which is well below 1 in steps that resolve the plasma frequency.
     const MAX_ITERATIONS: usize = 100;
     /// Changes that no longer fall are round-off below this part of the velocity.
@@ -113,7 +113,9 @@ pub(super) fn solve_orbit<const N: usize>(
     let mut least = f64::INFINITY;
     for _ in 0..MAX_ITERATIONS {
         let way = h * mean[0];
-        coupling.check_way(x, way).map_err(Unsolved::Impassable)?;
+        coupling
+            .check_way(x, way)
+            .map_err(OrbitFailure::PathObstacle)?;
         let felt = felt(coupling, is_averaged, fields, x, way);
         let next = mean_velocity(v, felt, half_charge);
         let change = (next[0] - mean[0]).abs();
@@ -131,5 +133,5 @@ pub(super) fn solve_orbit<const N: usize>(
         }
         least = least.min(change);
     }
-    Err(Unsolved::NotConverged(MAX_ITERATIONS))
+    Err(OrbitFailure::NotConverged(MAX_ITERATIONS))
 }

@@ -9,7 +9,7 @@ use symplint_models::integrators::catalogue::{CATALOGUE, build};
 use symplint_models::integrators::{
     Solver, Splitting, StageSolver, Stop, Variant, splitting_methods,
 };
-use symplint_models::maps::{Compose, Damped, SinglePrecision};
+use symplint_models::maps::{Compose, DampedMap, SinglePrecision};
 use symplint_models::systems::{HenonHeiles, Pendulum};
 
 use crate::common::{State, distance, stepped};
@@ -46,7 +46,7 @@ fn check(map: &dyn TimeAdvance, h: f64, at: &State, factor: f64) {
 
 #[test]
 fn damping_shrinks_the_form() {
-    let damped = Damped::new(strang(), 0.7).unwrap();
+    let damped = DampedMap::new(strang(), 0.7).unwrap();
     check(&damped, 0.5, &at(), (-0.7_f64 * 0.5).exp());
 }
 
@@ -55,7 +55,7 @@ fn compositions_follow_the_chain_rule() {
     let (step, h) = (strang(), 0.4);
     let parts: Vec<(f64, Box<dyn TimeAdvance>)> = vec![
         (0.6, Box::new(step.clone())),
-        (0.4, Box::new(Damped::new(step.clone(), 1.0).unwrap())),
+        (0.4, Box::new(DampedMap::new(step.clone(), 1.0).unwrap())),
     ];
     let composed = Compose::new(parts).unwrap();
     check(&composed, h, &at(), (-0.4 * h).exp());
@@ -63,7 +63,7 @@ fn compositions_follow_the_chain_rule() {
 
     let u = direction(2, 0);
     let (middle, along) = with_tangent(&step, 0.6 * h, &at(), &u);
-    let damped = Damped::new(step, 1.0).unwrap();
+    let damped = DampedMap::new(step, 1.0).unwrap();
     let expected = with_tangent(&damped, 0.4 * h, &middle, &along);
     assert_eq!(with_tangent(&composed, h, &at(), &u), expected);
 }

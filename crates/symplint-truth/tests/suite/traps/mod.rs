@@ -8,7 +8,7 @@ mod under_resolved;
 use std::f64::consts::{PI, TAU};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use symplint::error::StateAt;
+use symplint::error::StateLocation;
 use symplint::map::{Capabilities, Parts, Substeps};
 use symplint::rules::Piecewise;
 use symplint::{
@@ -233,7 +233,7 @@ fn a_state_that_fails_between_the_samples_is_named_by_its_place_on_the_loop() {
     let (Error::NotFinite { at, .. } | Error::StepFailed { at, .. }) = &error else {
         panic!("{error}");
     };
-    let StateAt::Loop(s) = *at else {
+    let StateLocation::Loop(s) = *at else {
         panic!("{error}");
     };
     let expected = 0.3f64.asin() / TAU;

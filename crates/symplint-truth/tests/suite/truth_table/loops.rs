@@ -6,7 +6,7 @@ use std::sync::Arc;
 use symplint::{Block, Loop};
 use symplint_models::Model;
 use symplint_models::discrete::StandardMap;
-use symplint_models::maps::Damped;
+use symplint_models::maps::DampedMap;
 use symplint_models::systems::{HenonHeiles, Pendulum};
 
 use crate::truth_table::case::{
@@ -179,7 +179,7 @@ fn cylinder() -> Vec<Case> {
         around(1.0, 0.2),
         around(0.5, 0.5),
     ] {
-        let damped = Damped::new(map(), 0.1).unwrap();
+        let damped = DampedMap::new(map(), 0.1).unwrap();
         let order = of_order(1.0);
         cases.push(Case::new(
             "standard map",

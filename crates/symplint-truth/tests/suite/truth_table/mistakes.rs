@@ -8,7 +8,7 @@ use symplint_models::Separable;
 use symplint_models::discrete::StandardMap;
 use symplint_models::integrators::catalogue::build;
 use symplint_models::integrators::{Splitting, Variant, splitting_methods};
-use symplint_models::maps::{Adjoint, Compose, Damped, Inverse, SinglePrecision};
+use symplint_models::maps::{Adjoint, Compose, DampedMap, Inverse, SinglePrecision};
 use symplint_models::systems::{HenonHeiles, Pendulum};
 
 use crate::truth_table::case::{
@@ -176,7 +176,7 @@ fn damped() -> Vec<Case> {
     let mut cases: Vec<Case> = [0.5, 0.1, -0.1, 1e-3, 1e-6, 1e-9, 1e-11]
         .into_iter()
         .map(|rate| {
-            let map = Damped::new(strang(), rate).unwrap();
+            let map = DampedMap::new(strang(), rate).unwrap();
             pendulum(
                 &format!("strang, damped at {rate:e}"),
                 map,
@@ -185,7 +185,7 @@ fn damped() -> Vec<Case> {
             )
         })
         .collect();
-    let map = Damped::new(mclachlan(), 0.05).unwrap();
+    let map = DampedMap::new(mclachlan(), 0.05).unwrap();
     let on = circle(&[0.0, 0.1], &[0.2, 0.1], 0.3);
     cases.push(Case::new(
         "Hénon–Heiles",
@@ -195,7 +195,7 @@ fn damped() -> Vec<Case> {
         of_order(1.0),
         because,
     ));
-    let map = Damped::new(step("rk4", None), 1e-4).unwrap();
+    let map = DampedMap::new(step("rk4", None), 1e-4).unwrap();
     cases.push(pendulum("rk4, damped at 1e-4", map, of_order(1.0), because));
     cases
 }

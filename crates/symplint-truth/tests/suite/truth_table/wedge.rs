@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use symplint_models::Model;
 use symplint_models::integrators::catalogue::build;
-use symplint_models::maps::Damped;
+use symplint_models::maps::DampedMap;
 use symplint_models::systems::{AbsoluteValue, TwoCell};
 
 use crate::truth_table::case::{
@@ -46,7 +46,7 @@ pub fn cases() -> Vec<Case> {
             cases.push(Case::built("|q|", &model, step, on, truth, TORN_AND_MORE).steps(-1, -6));
         }
         let strang = build("strang", None, model.clone()).unwrap();
-        let damped = Damped::new(strang, 0.1).unwrap();
+        let damped = DampedMap::new(strang, 0.1).unwrap();
         let (step, truth) = ("strang, damped", BROKEN_AND_CHANGED);
         cases.push(Case::new("|q|", step, damped, on, truth, TORN_AND_MORE).steps(-1, -6));
     }

@@ -1,7 +1,7 @@
 //! Maps that fail, and loops that leave their domain.
 
 use symplint::diagnosis::SampleCount;
-use symplint::error::StateAt;
+use symplint::error::StateLocation;
 use symplint::rules::Piecewise;
 use symplint::verdict::step_size_text;
 use symplint::{
@@ -33,7 +33,7 @@ fn states_that_are_not_finite_are_named() {
         assert!(
             matches!(
                 error,
-                Error::NotFinite { coordinate: "q", dof: 1, at: StateAt::SampleOf { sample: 200, samples: 1000 }, step_size: Some(h), .. } if h == 0.125
+                Error::NotFinite { coordinate: "q", dof: 1, at: StateLocation::SampleOf { sample: 200, samples: 1000 }, step_size: Some(h), .. } if h == 0.125
             ),
             "{error:?}"
         );
@@ -69,7 +69,7 @@ fn failures_of_the_map_are_named() {
         matches!(
             error,
             Error::StepFailed {
-                at: StateAt::SampleOf {
+                at: StateLocation::SampleOf {
                     sample: 1195,
                     samples: 2048
                 },

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use symplint::evidence::SubstepDefect;
 use symplint::{Diagnostic, TimeAdvance};
 use symplint_models::integrators::catalogue::build;
-use symplint_models::maps::Damped;
+use symplint_models::maps::DampedMap;
 use symplint_models::systems::{AbsoluteValue, Pendulum, RotationalForce};
 use symplint_models::{Model, Separable};
 
@@ -27,7 +27,7 @@ fn is_conserved(stage: &SubstepDefect) -> bool {
 #[test]
 fn friction_is_the_substep_that_shrinks_areas() {
     let pendulum: Arc<dyn Separable> = Arc::new(Pendulum::default());
-    let map = Damped::new(build("strang", None, pendulum).unwrap(), 0.1).unwrap();
+    let map = DampedMap::new(build("strang", None, pendulum).unwrap(), 0.1).unwrap();
     let [drift, kick, other, friction] = &stages(&map, 1)[..] else {
         panic!("three flows and a friction");
     };

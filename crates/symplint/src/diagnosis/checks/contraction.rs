@@ -3,7 +3,7 @@
 use super::localise::{MAX_BOUNDARY_EVALUATIONS, MIN_HALVING_EVALUATIONS, contraction};
 use super::{GivenLoop, Runner};
 use crate::error::Error;
-use crate::evidence::{Check, LoopEvidence, LoopKind, Why};
+use crate::evidence::{Check, LoopEvidence, LoopKind, OmissionReason};
 use crate::jacobian::JacobianEvidence;
 use crate::rules::Subject;
 
@@ -45,7 +45,7 @@ impl Runner<'_> {
             return Ok(());
         };
         if self.count.left() < MIN_HALVING_EVALUATIONS {
-            self.omit(Check::Contraction, Why::BUDGET);
+            self.omit(Check::Contraction, OmissionReason::BUDGET);
             return Ok(());
         }
         let random = self
@@ -56,7 +56,7 @@ impl Runner<'_> {
         match contraction(subject, &given.size, self.largest) {
             // A boundary was not resolved, as no more evaluations were left.
             Ok(None) if self.count.left() < MAX_BOUNDARY_EVALUATIONS => {
-                self.omit(Check::Contraction, Why::BUDGET);
+                self.omit(Check::Contraction, OmissionReason::BUDGET);
             }
             Ok(found) => self.evidence.contraction = found,
             // Within the loop the map need not be defined.

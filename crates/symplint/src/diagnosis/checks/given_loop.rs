@@ -8,7 +8,9 @@ use crate::diagnosis::resolve::initial_samples::InitialSamples;
 use crate::diagnosis::resolve::probe::{Probe, StepMeasurement};
 use crate::diagnosis::{Event, SampleCount};
 use crate::error::Error;
-use crate::evidence::{Check, LoopEvidence, LoopKind, LoopPicture, Omission, Sweep, Why};
+use crate::evidence::{
+    Check, LoopEvidence, LoopKind, LoopPicture, Omission, OmissionReason, Sweep,
+};
 use crate::map::LoopSize;
 use crate::rules::Subject;
 use crate::state::Ensemble;
@@ -64,14 +66,17 @@ impl Runner<'_> {
         self.note_failed_steps();
         self.moved(seen.motion);
         if omitted > 0 {
-            self.omit(Check::GivenLoop, Why::Budget { missing: omitted });
+            self.omit(
+                Check::GivenLoop,
+                OmissionReason::Budget { missing: omitted },
+            );
         }
         let unresolved = match diagnostic.samples {
             SampleCount::Fixed(samples) => probe.samples < samples,
             SampleCount::Auto => tight && self.evidence.loops[0].weak_step().is_some(),
         };
         if unresolved {
-            self.omit(Check::GivenLoop, Why::Unresolved);
+            self.omit(Check::GivenLoop, OmissionReason::Unresolved);
         }
         let size = LoopSize::of(subject.evaluator, subject.phase_loop, self.largest)?;
         if let Some(held) = seen.held {
@@ -145,7 +150,7 @@ impl Runner<'_> {
     fn note_failed_steps(&mut self) {
         let failed = self.failed.iter().map(|FailedStep { h, error }| Omission {
             check: Check::GivenLoop,
-            why: Why::Failed {
+            why: OmissionReason::Failed {
                 step_size: Some(*h),
                 reason: error.to_string(),
             },

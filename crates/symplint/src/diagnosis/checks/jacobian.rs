@@ -6,7 +6,9 @@ use crate::diagnosis::limits::{
     MIN_DEFECT_OVER_METHOD,
 };
 use crate::error::Error;
-use crate::evidence::{Check, LoopEvidence, MIN_RANGE_OF_LAW, MIN_STEP_SIZES_OF_LAW, Why};
+use crate::evidence::{
+    Check, LoopEvidence, MIN_RANGE_OF_LAW, MIN_STEP_SIZES_OF_LAW, OmissionReason,
+};
 use crate::jacobian::{DefectBlocks, JacobianDecay, JacobianEvidence, JacobianTest};
 use crate::loops::FEW_SAMPLES;
 use crate::map::LoopSize;
@@ -26,7 +28,7 @@ impl Runner<'_> {
         if given.probe.is_beyond_memory() {
             self.omit(
                 Check::Jacobian,
-                Why::Memory {
+                OmissionReason::Memory {
                     samples: FEW_SAMPLES,
                 },
             );
@@ -39,7 +41,7 @@ impl Runner<'_> {
         let left = self.count.left().saturating_sub(self.plan.domain);
         let planned = self.plan.jacobian;
         match JacobianTest::within(left.min(planned), evaluator.dof(), evaluator.has_tangent()) {
-            None => self.omit(Check::Jacobian, Why::BUDGET),
+            None => self.omit(Check::Jacobian, OmissionReason::BUDGET),
             Some(test) => {
                 // Further groups of degrees of freedom, and tracing a defect, take as much again.
                 let further = planned.saturating_mul(1 + given.size.groups.len().max(1));

@@ -6,7 +6,7 @@ use crate::diagnosis::plan::{fits, power_below};
 use crate::diagnosis::resolve::probe::Probe;
 use crate::error::Error;
 use crate::evidence::{
-    Check, EnergyInTime, LongTime, LoopAtStep, LoopEvidence, MIN_SAMPLES_OF_SHAPE, Why,
+    Check, EnergyInTime, LongTime, LoopAtStep, LoopEvidence, MIN_SAMPLES_OF_SHAPE, OmissionReason,
 };
 use crate::map::Energy;
 use crate::rules::{Rule, Subject};
@@ -57,16 +57,16 @@ fn follow(
     h: f64,
     steps: usize,
     left: usize,
-) -> Result<Result<(LongTime, Vec<LoopAtStep>), Why>, Error> {
+) -> Result<Result<(LongTime, Vec<LoopAtStep>), OmissionReason>, Error> {
     let dof = probe.subject.dof();
     let mut samples = probe.samples.max(MIN_FOLDED_SAMPLES / dof.max(1));
     if !probe.keeps_samples() && !fits(dof, samples) {
-        return Ok(Err(Why::Memory { samples }));
+        return Ok(Err(OmissionReason::Memory { samples }));
     }
     // Fewer samples resolve fewer of the steps, which the trace tells.
     let affordable = power_below(left / steps);
     if affordable < MIN_SAMPLES_OF_SHAPE {
-        return Ok(Err(Why::BUDGET));
+        return Ok(Err(OmissionReason::BUDGET));
     }
     samples = samples.min(affordable);
     let trace = Trace {

@@ -23,7 +23,7 @@ use super::resolve::probe::{Probe, StepMeasurement};
 use super::{Diagnostic, Event, Progress};
 use crate::error::Error;
 use crate::evidence::{
-    BreakAt, Check, Evidence, Motion, Omission, Point, StepEvidence, Sweep, Why,
+    Check, Evidence, LoopBreak, Motion, Omission, OmissionReason, Point, StepEvidence, Sweep,
 };
 use crate::jacobian::TangentImages;
 use crate::map::{EvaluationCount, Evaluator, Feature, LoopSize};
@@ -211,7 +211,7 @@ impl<'a> Runner<'a> {
         measure: impl FnOnce(&mut Self) -> Result<(), Error>,
     ) -> Result<(), Error> {
         match self.counted(check, measure) {
-            Err(Error::BudgetSpent { .. }) => self.omit(check, Why::BUDGET),
+            Err(Error::BudgetSpent { .. }) => self.omit(check, OmissionReason::BUDGET),
             Err(error) if error.is_of_map() => self.omit(check, failed(&error)),
             measured => return measured,
         }
@@ -229,7 +229,7 @@ impl<'a> Runner<'a> {
     }
 
     /// Notes what is left out.
-    fn omit(&mut self, check: Check, why: Why) {
+    fn omit(&mut self, check: Check, why: OmissionReason) {
         self.evidence.omissions.push(Omission { check, why });
     }
 
@@ -262,7 +262,7 @@ impl<'a> Runner<'a> {
         };
         self.evidence
             .breaks
-            .extend(breaks.into_iter().map(|found| BreakAt {
+            .extend(breaks.into_iter().map(|found| LoopBreak {
                 loop_index,
                 step_size: step.step_size,
                 found,
@@ -298,8 +298,8 @@ fn largest_of(sizes: impl Iterator<Item = f64>) -> f64 {
 }
 
 /// The map failed at states near the given loop.
-fn failed(error: &Error) -> Why {
-    Why::Failed {
+fn failed(error: &Error) -> OmissionReason {
+    OmissionReason::Failed {
         step_size: None,
         reason: error.to_string(),
     }

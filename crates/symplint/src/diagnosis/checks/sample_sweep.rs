@@ -7,7 +7,7 @@ use crate::diagnosis::resolve::initial_samples::InitialSamples;
 use crate::diagnosis::resolve::probe::{Probe, StepMeasurement};
 use crate::diagnosis::resolve::refined_samples::RefinedSamples;
 use crate::error::Error;
-use crate::evidence::{Check, Sweep, Why};
+use crate::evidence::{Check, OmissionReason, Sweep};
 use crate::rules::{Rule, Subject};
 
 impl Runner<'_> {
@@ -33,7 +33,7 @@ impl Runner<'_> {
             let before = self.count.made();
             if samples > self.count.left() {
                 let missing = sweep.counts[k..].len();
-                self.omit(Check::SampleSweep, Why::Budget { missing });
+                self.omit(Check::SampleSweep, OmissionReason::Budget { missing });
                 break;
             }
             let (of_samples, advanced) = if probe.keeps_samples() {

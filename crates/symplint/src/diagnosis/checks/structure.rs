@@ -6,7 +6,9 @@ use crate::diagnosis::limits::{
 };
 use crate::diagnosis::plan::fits;
 use crate::error::Error;
-use crate::evidence::{Check, EnergyAtStep, EnergyChange, ReturnDefect, StructureEvidence, Why};
+use crate::evidence::{
+    Check, EnergyAtStep, EnergyChange, OmissionReason, ReturnDefect, StructureEvidence,
+};
 use crate::loops::FEW_SAMPLES;
 use crate::map::{self, Evaluator};
 use crate::rules::Subject;
@@ -39,10 +41,10 @@ impl Runner<'_> {
         self.evidence.structure = Some(structure);
         // Momenta that a constraint or a one-form defines cannot change their signs alone.
         let reversal = match (&diagnostic.reversal, evaluator.reversal()) {
-            (Some(signs), _) => Some(Reversal::Signs(signs.clone())),
-            (None, Some(function)) => Some(Reversal::Function(function)),
+            (Some(signs), _) => Some(ReversalMap::Signs(signs.clone())),
+            (None, Some(function)) => Some(ReversalMap::Function(function)),
             (None, None) => {
-                (!on_manifold).then(|| Reversal::Signs(flipped_momenta(evaluator.dof())))
+                (!on_manifold).then(|| ReversalMap::Signs(flipped_momenta(evaluator.dof())))
             }
         };
         let energy = evaluator.energy();
@@ -66,7 +68,7 @@ impl Runner<'_> {
                 let reason = "the energy of a state on the loop or after a step is not finite";
                 self.omit(
                     Check::Structure,
-                    Why::Failed {
+                    OmissionReason::Failed {
                         step_size: None,
                         reason: reason.into(),
                     },
@@ -74,13 +76,13 @@ impl Runner<'_> {
             }
         }
         let radius = &given.size.radius;
-        let test = |reversal: &Reversal<'_>, h: f64| -> Result<ReturnDefect, Error> {
+        let test = |reversal: &ReversalMap<'_>, h: f64| -> Result<ReturnDefect, Error> {
             let back = advanced(evaluator, &reversal.of(&after)?, h)?;
             let back = reversal.of(&back)?;
             Ok(returns.largest_defect(evaluator, [&after, &back], radius))
         };
         let symmetric = structure.asked_for_symmetry;
-        let symmetric = symmetric.then(|| test(&Reversal::Identity, -h));
+        let symmetric = symmetric.then(|| test(&ReversalMap::Identity, -h));
         let reversible = reversal.map(|reversal| {
             returns.check_reversal(evaluator, &reversal, radius)?;
             test(&reversal, h)
@@ -91,7 +93,9 @@ impl Runner<'_> {
         ] {
             match tested.transpose() {
                 Err(error) if error.is_of_map() => self.omit(Check::Structure, failed(&error)),
-                Err(Error::BudgetSpent { .. }) => self.omit(Check::Structure, Why::BUDGET),
+                Err(Error::BudgetSpent { .. }) => {
+                    self.omit(Check::Structure, OmissionReason::BUDGET)
+                }
                 tested => *found = tested?,
             }
         }
@@ -124,7 +128,7 @@ fn flipped_momenta(dof: usize) -> Vec<f64> {
 }
 
 /// A map of states that reverses time.
-enum Reversal<'a> {
+enum ReversalMap<'a> {
     /// Time runs backwards by itself.
     Identity,
     /// The signs of all coordinates.
@@ -133,13 +137,13 @@ enum Reversal<'a> {
     Function(&'a map::Reversal<'a>),
 }
 
-impl Reversal<'_> {
+impl ReversalMap<'_> {
     /// The reversed states.
     fn of(&self, states: &Ensemble) -> Result<Ensemble, Error> {
         match self {
-            Reversal::Identity => Ok(states.clone()),
-            Reversal::Signs(signs) => Ok(with_signs(states, signs)),
-            Reversal::Function(function) => {
+            ReversalMap::Identity => Ok(states.clone()),
+            ReversalMap::Signs(signs) => Ok(with_signs(states, signs)),
+            ReversalMap::Function(function) => {
                 let mut states = states.clone();
                 function(&mut states.block());
                 states.check_finite(None)?;
@@ -264,10 +268,10 @@ impl ReturnTest {
     fn check_reversal(
         &self,
         evaluator: &Evaluator<'_>,
-        reversal: &Reversal<'_>,
+        reversal: &ReversalMap<'_>,
         radius: &[Vec<f64>; 2],
     ) -> Result<(), Error> {
-        let Reversal::Function(_) = reversal else {
+        let ReversalMap::Function(_) = reversal else {
             return Ok(());
         };
         let once = reversal.of(&self.before)?;

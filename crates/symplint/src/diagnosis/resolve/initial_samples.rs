@@ -1,7 +1,7 @@
 //! The samples of a loop before the step, kept from one step size to the next.
 
 use super::refined_samples::RefinedSamples;
-use crate::error::{Error, StateAt};
+use crate::error::{Error, StateLocation};
 use crate::loops::sample_block;
 use crate::rules::Subject;
 use crate::state::{Ensemble, SMALL_MEMORY, coordinate, copy_samples};
@@ -91,7 +91,7 @@ impl<'a> InitialSamples<'a> {
                 sample_block(phase_loop, |k| k as f64 / samples as f64, first, block)
             }),
         };
-        advanced.map_err(|error| error.at(|sample| StateAt::SampleOf { sample, samples }))?;
+        advanced.map_err(|error| error.at(|sample| StateLocation::SampleOf { sample, samples }))?;
         evaluator.learn_grain(phase_loop, samples, |c, k| coordinate(after, c)[k]);
         Ok(after)
     }

@@ -4,7 +4,7 @@ use super::initial_samples::InitialSamples;
 use crate::diagnosis::limits::MIN_PIECEWISE_EVALUATIONS;
 use crate::diagnosis::plan::fits;
 use crate::error::Error;
-use crate::evidence::{Closing, LoopEvidence, StepEvidence};
+use crate::evidence::{ClosedBreaks, LoopEvidence, StepEvidence};
 use crate::loops::FEW_SAMPLES;
 use crate::rules::{LoopAfterStep, LoopIntegral, LoopIntegrator, Rule, RuleKind, Samples, Subject};
 use crate::signal::Extent;
@@ -225,7 +225,7 @@ impl<'a> Probe<'a> {
             jump: advanced.largest_break(),
             reach_of_jumps: self.reach_of_jumps(advanced),
             flickering: advanced.closed.map_or(0, |closed| closed.flickering),
-            closing: advanced.closed.map(|closed| Closing {
+            closing: advanced.closed.map(|closed| ClosedBreaks {
                 breaks: closed.breaks,
                 chord: closed.chord,
                 closed: closed.defect,

@@ -1,7 +1,7 @@
 //! Samples that are doubled without making or advancing any of them twice.
 
 use crate::diagnosis::limits::{MAX_ROUNDED_SAMPLES, SAMPLES_OF_ROUNDING_TEST};
-use crate::error::{Error, StateAt};
+use crate::error::{Error, StateLocation};
 use crate::rules::Subject;
 use crate::state::{Ensemble, coordinate};
 
@@ -21,7 +21,7 @@ impl<'a> RefinedSamples<'a> {
         let before = Ensemble::sample(subject.phase_loop, samples)?;
         let mut after = before.clone();
         (subject.evaluator.advance(&mut after, h))
-            .map_err(|error| error.at(|sample| StateAt::SampleOf { sample, samples }))?;
+            .map_err(|error| error.at(|sample| StateLocation::SampleOf { sample, samples }))?;
         (subject.evaluator)
             .learn_grain(subject.phase_loop, samples, |c, k| coordinate(&after, c)[k]);
         Ok(RefinedSamples {
@@ -75,7 +75,7 @@ impl<'a> RefinedSamples<'a> {
         Ensemble::check_size(self.before.dof(), 2 * samples)?;
         // Between samples k and k + 1 of the present ones.
         let between_samples = |error: Error| {
-            error.at(|k| StateAt::SampleOf {
+            error.at(|k| StateLocation::SampleOf {
                 sample: 2 * k + 1,
                 samples: 2 * samples,
             })
@@ -189,7 +189,7 @@ mod tests {
             matches!(
                 error,
                 Error::NotFinite {
-                    at: StateAt::SampleOf {
+                    at: StateLocation::SampleOf {
                         sample: 3,
                         samples: 12
                     },

@@ -19,7 +19,7 @@ pub(super) struct Chord {
 }
 
 /// What closes the breaks.
-pub(super) struct Closing {
+pub(super) struct BreakSegments {
     /// The segments that are straight after the whole step; the others are curves of the refinement.
     pub chords: Vec<Chord>,
     /// See [`PiecewiseIntegral::bend`](super::PiecewiseIntegral::bend).
@@ -27,7 +27,10 @@ pub(super) struct Closing {
 }
 
 /// Closes every break of the loop, and those of the closing segments.
-pub(super) fn close(refinement: &mut Refinement<'_>, closure: Closure) -> Result<Closing, Error> {
+pub(super) fn close(
+    refinement: &mut Refinement<'_>,
+    closure: Closure,
+) -> Result<BreakSegments, Error> {
     let substeps = refinement.curves.evaluator.substeps();
     // On a manifold a segment is put onto it and integrated as a curve, beyond the last substep, too.
     let straight = refinement.curves.evaluator.constraint().is_none();
@@ -72,7 +75,7 @@ pub(super) fn close(refinement: &mut Refinement<'_>, closure: Closure) -> Result
         }
         closed = refinement.breaks.len();
     }
-    Ok(Closing { chords, bend })
+    Ok(BreakSegments { chords, bend })
 }
 
 /// The first stage at which the two sides of a break are apart.

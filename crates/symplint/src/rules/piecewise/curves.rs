@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::lift::Lift;
 use crate::breaks::displace;
-use crate::error::{Error, StateAt};
+use crate::error::{Error, StateLocation};
 use crate::loops::Loop;
 use crate::map::Evaluator;
 use crate::state::{Block, CACHE_LINE, Ensemble, in_parallel};
@@ -168,8 +168,8 @@ impl Curves<'_> {
             }
         }
         let position = |sample: usize| match points[sample] {
-            CurvePoint { curve: 0, s, .. } => StateAt::Loop(s),
-            CurvePoint { s, .. } => StateAt::Segment(s),
+            CurvePoint { curve: 0, s, .. } => StateLocation::Loop(s),
+            CurvePoint { s, .. } => StateLocation::Segment(s),
         };
         let at = |error: Error| error.at(position);
         states.check_finite(None).map_err(at)?;

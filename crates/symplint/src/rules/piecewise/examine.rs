@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use multiversion::multiversion;
 
-use super::fit::{Fit, ends_of_tail, fit, fit_all, turning_point};
+use super::fit::{PieceFit, ends_of_tail, fit, fit_all, turning_point};
 use super::jump::Jump;
 use super::limits::{
     FIRST_SMALL, FULL_LEVEL, KINK_SAFETY, MARGIN_OF_NOISE, MARGIN_OF_RANGE,
@@ -23,7 +23,7 @@ use super::stage_states::{StageStates, Tile, tiles};
 use crate::state::{Coordinates, Ensemble};
 
 /// The kind of a piece.
-pub(super) enum Finding {
+pub(super) enum PieceFinding {
     /// Its interpolants are as good as wanted, if the states at turning points of positions agree.
     Smooth(TurningPoints),
     /// They are not, and it is too short to be cut.
@@ -63,7 +63,7 @@ pub(super) struct View<'a> {
     /// Equispaced samples of the advanced loop, if there are any.
     pub samples: Option<&'a Ensemble>,
     /// The interpolants of all coordinates after the step, if they were made.
-    pub fits: Vec<Fit>,
+    pub fits: Vec<PieceFit>,
 }
 
 /// What one degree of freedom of a piece adds to the integral.
@@ -117,7 +117,7 @@ impl<'a> View<'a> {
 
     /// Looks at the piece with all its fits. `None` if interpolants below the full degree are not as good as wanted: those of a higher
     /// degree may be.
-    pub fn look(mut self) -> Option<(Self, Finding)> {
+    pub fn look(mut self) -> Option<(Self, PieceFinding)> {
         let (dof, last) = (self.dof(), self.last_stage());
         let mut are_good = true;
         let mut tile = Tile::default();
@@ -141,9 +141,9 @@ impl<'a> View<'a> {
         self.coordinates.dof()
     }
 
-    pub fn fit(&self, values: &[f64; POINTS]) -> Fit {
+    pub fn fit(&self, values: &[f64; POINTS]) -> PieceFit {
         match self.piece.is_short() {
-            true => Fit::straight(values),
+            true => PieceFit::straight(values),
             false => fit(values, self.piece.level),
         }
     }
@@ -153,7 +153,7 @@ impl<'a> View<'a> {
         let missing = (2 * self.dof()).saturating_sub(self.fits.len());
         self.fits.reserve_exact(missing);
         match self.piece.is_short() {
-            true => self.fits.extend(tile.iter().map(Fit::straight)),
+            true => self.fits.extend(tile.iter().map(PieceFit::straight)),
             false => fit_all(tile, self.piece.level, &mut self.fits),
         }
     }
@@ -168,16 +168,16 @@ impl<'a> View<'a> {
     }
 
     /// The kind of the piece; `None` if a sample is not on an interpolant below the full degree.
-    fn examine(&self, are_good: bool) -> Option<Finding> {
+    fn examine(&self, are_good: bool) -> Option<PieceFinding> {
         let missed = if are_good { missed_sample(self) } else { None };
         if are_good && missed.is_none() {
-            return Some(Finding::Smooth(self.turning_points()));
+            return Some(PieceFinding::Smooth(self.turning_points()));
         }
         if self.piece.level < FULL_LEVEL {
             return None;
         }
         if self.piece.is_short() {
-            return Some(Finding::TooShort);
+            return Some(PieceFinding::TooShort);
         }
         let at = match missed {
             Some(at) => vec![at],
@@ -185,7 +185,7 @@ impl<'a> View<'a> {
         };
         Some(match at.is_empty() {
             true => self.seek_break(),
-            false => Finding::Cut {
+            false => PieceFinding::Cut {
                 at,
                 why: CutReason::Explained,
             },
@@ -194,7 +194,7 @@ impl<'a> View<'a> {
 
     /// What an interpolant may be off: the tolerance, and what the rounding of the state that the map got
     /// becomes where the loop is steep. A straight line may be off by the change that a kink makes of its length.
-    pub fn allowed(&self, c: usize, fit: &Fit) -> f64 {
+    pub fn allowed(&self, c: usize, fit: &PieceFit) -> f64 {
         let length = self.piece.length();
         let rounded = self.scales.input_rounding * fit.range / length;
         let kinked = match self.piece.is_short() {
@@ -272,9 +272,9 @@ impl<'a> View<'a> {
             for (k, i) in positions.enumerate() {
                 // What rests has none, but for rounding.
                 let moves =
-                    |fit: &Fit| fit.range > ROUNDING_OF_OPERATIONS * self.scales.magnitude[i];
+                    |fit: &PieceFit| fit.range > ROUNDING_OF_OPERATIONS * self.scales.magnitude[i];
                 let turns = |values: &Values| LOBATTO.turns(values, self.piece.level);
-                let mut add = |fit: &Fit| {
+                let mut add = |fit: &PieceFit| {
                     if moves(fit) {
                         points.extend(turning_point(fit));
                     }
@@ -314,8 +314,8 @@ impl<'a> View<'a> {
     }
 
     /// The gap between two nodes in which one break explains the coefficients best.
-    fn seek_break(&self) -> Finding {
-        let in_the_middle = |why: CutReason| Finding::Cut {
+    fn seek_break(&self) -> PieceFinding {
+        let in_the_middle = |why: CutReason| PieceFinding::Cut {
             at: Vec::new(),
             why,
         };
@@ -341,13 +341,13 @@ impl<'a> View<'a> {
             .map(|fit| LOBATTO.gaps[best].jump(&fit.coefficients))
             .collect();
         if let Some(ends) = self.kink(best, &steps, (all - most).max(0.0)) {
-            return Finding::Cut {
+            return PieceFinding::Cut {
                 at: ends.map(|x| self.piece.s(x)).into(),
                 why: CutReason::Explained,
             };
         }
         match self.jump(best, &steps) {
-            Some(jump) => Finding::Jump(Box::new(jump)),
+            Some(jump) => PieceFinding::Jump(Box::new(jump)),
             None => in_the_middle(CutReason::Unexplained),
         }
     }

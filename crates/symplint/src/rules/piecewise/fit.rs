@@ -12,7 +12,7 @@ use super::lobatto::{
 use crate::signal::Extent;
 
 /// The interpolant of one coordinate on a piece.
-pub(super) struct Fit {
+pub(super) struct PieceFit {
     /// Its values at all nodes.
     pub values: Values,
     pub coefficients: Values,
@@ -25,7 +25,7 @@ pub(super) struct Fit {
     pub error: f64,
 }
 
-impl Fit {
+impl PieceFit {
     /// Of values at all points, as a straight line.
     pub fn straight(points: &[f64; POINTS]) -> Self {
         let values: Values = points[..NODES].try_into().expect("nodes come first");
@@ -35,7 +35,7 @@ impl Fit {
             most.max((line(x) - value).abs())
         });
         let off = MAX_JUMP_OVER_DISTANCE * most;
-        Fit {
+        PieceFit {
             values,
             coefficients: LOBATTO.coefficients(&values, FULL_LEVEL),
             range: Extent::of(&values).length(),
@@ -47,18 +47,18 @@ impl Fit {
 
 /// The interpolant of values at the checks and at the nodes of a level.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx2", "x86_64+avx2"))]
-pub(super) fn fit(points: &[f64; POINTS], level: usize) -> Fit {
+pub(super) fn fit(points: &[f64; POINTS], level: usize) -> PieceFit {
     interpolant(points, level)
 }
 
 /// Adds the interpolants of several coordinates.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx2", "x86_64+avx2"))]
-pub(super) fn fit_all(of_each: &[[f64; POINTS]], level: usize, fits: &mut Vec<Fit>) {
+pub(super) fn fit_all(of_each: &[[f64; POINTS]], level: usize, fits: &mut Vec<PieceFit>) {
     fits.extend(of_each.iter().map(|points| interpolant(points, level)));
 }
 
 #[inline(always)] // Into what is compiled for several processors.
-fn interpolant(points: &[f64; POINTS], level: usize) -> Fit {
+fn interpolant(points: &[f64; POINTS], level: usize) -> PieceFit {
     let mut values: Values = *points.first_chunk().expect("nodes come first");
     let coefficients = LOBATTO.coefficients(&values, level);
     let interpolated = LOBATTO.interpolate(&values, level);
@@ -76,7 +76,7 @@ fn interpolant(points: &[f64; POINTS], level: usize) -> Fit {
         true => tail_squared(&coefficients).sqrt(),
         false => last,
     };
-    Fit {
+    PieceFit {
         range: Extent::of(&values).length(),
         values,
         coefficients,
@@ -102,7 +102,7 @@ fn decays(coefficients: &Values) -> bool {
 }
 
 /// The turning point of the interpolant, if it has one.
-pub(super) fn turning_point(fit: &Fit) -> Option<f64> {
+pub(super) fn turning_point(fit: &PieceFit) -> Option<f64> {
     let slopes = derivative(&fit.coefficients);
     let (mut low, mut high) = (-1.0, 1.0);
     let [rising, to_rise] = evaluate_each(&slopes, &[low, high]).map(|slope| slope > 0.0);

@@ -3,7 +3,7 @@
 use multiversion::multiversion;
 
 use super::examine::View;
-use super::fit::Fit;
+use super::fit::PieceFit;
 use super::limits::{MARGIN_BETWEEN_POINTS, MAX_JUMP_OVER_MISS, SAMPLES_PER_ESTIMATE};
 use super::lobatto::{Values, derivative, evaluate_each};
 use super::piece::InterpolationMiss;
@@ -37,7 +37,7 @@ impl<'a> InnerSamples<'a> {
     }
 
     /// The error of the interpolant of a coordinate at each of the first `count` samples.
-    fn misses(&self, c: usize, fit: &Fit, count: usize) -> Vec<f64> {
+    fn misses(&self, c: usize, fit: &PieceFit, count: usize) -> Vec<f64> {
         let row = &coordinate(self.advanced, c)[self.first..][..count];
         let period = period(self.view.coordinates, c);
         let mut misses = along(&self.x[..count], &fit.coefficients);

@@ -8,7 +8,7 @@
 mod row;
 mod window;
 
-use crate::breaks::{Break, REACH, Search, Suspect, follow_up, most_outstanding};
+use crate::breaks::{Break, BreakSearch, REACH, Suspect, follow_up, most_outstanding};
 use crate::error::Error;
 use crate::loops::Loop;
 use crate::map::{EvaluationCount, Evaluator, TimeAdvance};
@@ -132,12 +132,12 @@ impl Streaming {
             ranges.any(|(_, &ranges)| found.is_substantial(ranges))
         };
         let mut integral = revolution.integral;
-        if found == Search::Unaffordable {
+        if found == BreakSearch::Unaffordable {
             integral.quadrature_error = None;
         }
         let found = match found {
-            Search::Found(found) => Some(found).filter(is_substantial),
-            Search::Clean | Search::Unaffordable => None,
+            BreakSearch::Found(found) => Some(found).filter(is_substantial),
+            BreakSearch::Clean | BreakSearch::Unaffordable => None,
         };
         Ok(StreamingIntegral {
             found,

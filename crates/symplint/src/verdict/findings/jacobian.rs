@@ -4,7 +4,7 @@ use std::fmt::{Display, Formatter, Result};
 
 use crate::jacobian::{JacobianMethod, TangentRejection};
 use crate::text::{loop_name, short, size};
-use crate::verdict::jacobian::{Agreement, Inconclusive, JacobianFinding, JacobianVerdict};
+use crate::verdict::jacobian::{Agreement, InconclusiveReason, JacobianFinding, JacobianVerdict};
 
 impl Display for JacobianFinding {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
@@ -23,7 +23,7 @@ impl Display for JacobianFinding {
         )?;
         match self.verdict {
             JacobianVerdict::Undecided {
-                reason: Inconclusive::WeakBound { .. },
+                reason: InconclusiveReason::WeakBound { .. },
             } => f.write_str(
                 " Derivatives amplify the noise of a map; loop integrals average it and bound the defect \
                  better.",
@@ -58,29 +58,29 @@ impl Display for JacobianVerdict {
     }
 }
 
-impl Display for Inconclusive {
+impl Display for InconclusiveReason {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         match self {
-            Inconclusive::NoPoints => f.write_str(
+            InconclusiveReason::NoPoints => f.write_str(
                 "the budget left no evaluations for differences; correct the tangent map or give a larger \
                  budget",
             ),
-            Inconclusive::NoDerivative { points, of } => write!(
+            InconclusiveReason::NoDerivative { points, of } => write!(
                 f,
                 "the map has no derivative at {points} of {of} points; take another loop"
             ),
-            Inconclusive::LittleDeformation { deformation } => write!(
+            InconclusiveReason::LittleDeformation { deformation } => write!(
                 f,
                 "the step is small: it deforms tangent vectors by {} of their size, and every accurate method is nearly symplectic then. \
                  Take a larger step",
                 short(*deformation)
             ),
-            Inconclusive::WeakBound { bound, noise } => write!(
+            InconclusiveReason::WeakBound { bound, noise } => write!(
                 f,
                 "differences only show that the defect is below {bound:.1e}, as the map has noise of {noise:.1e} of the loop's size; take \
                  a larger loop or double precision"
             ),
-            Inconclusive::Unexplained { worst } => write!(
+            InconclusiveReason::Unexplained { worst } => write!(
                 f,
                 "the defect of {:.1e} at s = {:.6} exceeds its uncertainty of {:.1e} but is not \
                  significant; take a larger step or another loop",

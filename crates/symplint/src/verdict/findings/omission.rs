@@ -2,17 +2,21 @@
 
 use std::fmt::{Display, Formatter, Result};
 
-use crate::evidence::{Check, Omission, Why};
+use crate::evidence::{Check, Omission, OmissionReason};
 use crate::text::{loop_name, size};
 
 impl Display for Omission {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         let missing = match (self.check, &self.why) {
-            (Check::GivenLoop, Why::Budget { missing }) => Some(("step size", "", missing)),
-            (Check::SampleSweep, Why::Budget { missing }) => {
+            (Check::GivenLoop, OmissionReason::Budget { missing }) => {
+                Some(("step size", "", missing))
+            }
+            (Check::SampleSweep, OmissionReason::Budget { missing }) => {
                 Some(("number", " of samples", missing))
             }
-            (Check::RandomLoops, Why::Budget { missing }) => Some(("random loop", "", missing)),
+            (Check::RandomLoops, OmissionReason::Budget { missing }) => {
+                Some(("random loop", "", missing))
+            }
             _ => None,
         };
         if let Some((what, of, missing)) = missing {
@@ -27,25 +31,25 @@ impl Display for Omission {
         }
         let left_out = self.check.left_out();
         match &self.why {
-            Why::Budget { .. } => write!(f, "{left_out}: the budget was too small."),
-            Why::Unresolved => {
+            OmissionReason::Budget { .. } => write!(f, "{left_out}: the budget was too small."),
+            OmissionReason::Unresolved => {
                 write!(
                     f,
                     "The samples do not resolve {} to rounding error: the budget was too small.",
                     loop_name(0)
                 )
             }
-            Why::Memory { samples } => {
+            OmissionReason::Memory { samples } => {
                 write!(
                     f,
                     "{left_out}: ensembles of {samples} samples would take more than 512 MiB."
                 )
             }
-            Why::Failed {
+            OmissionReason::Failed {
                 step_size: Some(h),
                 reason,
             } => write!(f, "The step size h = {} was left out: {reason}.", size(*h)),
-            Why::Failed { reason, .. } => write!(f, "{left_out}: {reason}."),
+            OmissionReason::Failed { reason, .. } => write!(f, "{left_out}: {reason}."),
         }
     }
 }

@@ -1,7 +1,7 @@
 //! No defect: how large it may be.
 
 use super::{Case, Decision, change};
-use crate::evidence::{Check, LoopEvidence, Motion, Omission, StepEvidence, Why};
+use crate::evidence::{Check, LoopEvidence, Motion, Omission, OmissionReason, StepEvidence};
 use crate::rules::RuleKind;
 use crate::verdict::VerdictKind;
 use crate::verdict::advice::Advice;
@@ -38,8 +38,9 @@ impl Case<'_> {
 
     /// At how many step sizes the map failed on the given loop.
     pub(super) fn failed_steps(&self) -> usize {
-        let failed =
-            |of: &&Omission| of.check == Check::GivenLoop && matches!(of.why, Why::Failed { .. });
+        let failed = |of: &&Omission| {
+            of.check == Check::GivenLoop && matches!(of.why, OmissionReason::Failed { .. })
+        };
         self.evidence.omissions.iter().filter(failed).count()
     }
 

@@ -2,8 +2,8 @@
 
 use super::{Case, Decision, change};
 use crate::evidence::{
-    Check, LoopEvidence, LoopKind, MIN_DEFORMATION, MIN_PHASE_ADVANCE, Motion, StepEvidence, Why,
-    defect_of_order_4,
+    Check, LoopEvidence, LoopKind, MIN_DEFORMATION, MIN_PHASE_ADVANCE, Motion, OmissionReason,
+    StepEvidence, defect_of_order_4,
 };
 use crate::rules::RuleKind;
 use crate::signal::SIGNIFICANT;
@@ -306,7 +306,9 @@ impl Case<'_> {
     /// Whether the map failed at a step size above the largest one that was measured.
     fn larger_steps_fail(&self, measured: Option<f64>) -> bool {
         let failed = (self.evidence.omissions.iter()).filter_map(|omission| match omission.why {
-            Why::Failed { step_size, .. } if omission.check == Check::GivenLoop => step_size,
+            OmissionReason::Failed { step_size, .. } if omission.check == Check::GivenLoop => {
+                step_size
+            }
             _ => None,
         });
         measured.is_some_and(|measured| failed.into_iter().any(|h| h.abs() > measured.abs()))

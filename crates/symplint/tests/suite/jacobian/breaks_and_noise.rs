@@ -1,6 +1,6 @@
 //! Maps with jumps, kinks and noise: no false verdict.
 
-use symplint::verdict::{Inconclusive, JacobianVerdict};
+use symplint::verdict::{InconclusiveReason, JacobianVerdict};
 use symplint::{Circle, JacobianTest};
 
 use crate::jacobian::{
@@ -20,7 +20,7 @@ fn single_precision_leaves_a_bound() {
         ] {
             let report = test.run(&single_precision(1.0), &phase_loop, 0.5).unwrap();
             let JacobianVerdict::Undecided {
-                reason: Inconclusive::WeakBound { bound, .. },
+                reason: InconclusiveReason::WeakBound { bound, .. },
             } = report.verdict()
             else {
                 panic!("{}", report.verdict());
@@ -66,7 +66,7 @@ fn a_wedge_is_symplectic_off_its_break() {
             assert!(matches!(
                 report.verdict(),
                 JacobianVerdict::Undecided {
-                    reason: Inconclusive::LittleDeformation { .. }
+                    reason: InconclusiveReason::LittleDeformation { .. }
                 }
             ));
         }
@@ -128,7 +128,8 @@ fn a_map_without_derivatives_is_told() {
         matches!(
             report.verdict(),
             JacobianVerdict::Undecided {
-                reason: Inconclusive::NoDerivative { .. } | Inconclusive::WeakBound { .. }
+                reason: InconclusiveReason::NoDerivative { .. }
+                    | InconclusiveReason::WeakBound { .. }
             }
         ),
         "{}",

@@ -5,7 +5,7 @@ use std::sync::Mutex;
 
 use symplint::jacobian::{JacobianEvidence, JacobianMethod};
 use symplint::map::Capabilities;
-use symplint::verdict::{Agreement, Inconclusive, JacobianVerdict, compare_jacobian};
+use symplint::verdict::{Agreement, InconclusiveReason, JacobianVerdict, compare_jacobian};
 use symplint::{Block, JacobianTest, StepFailure, TimeAdvance, VerdictKind};
 
 use crate::dual::{Method, Step, System};
@@ -136,7 +136,7 @@ fn a_budget_that_a_wrong_tangent_map_used_up_leaves_no_verdict() {
         ));
         assert_eq!(evidence.points.len(), points, "{budget}");
         let no_points = JacobianVerdict::Undecided {
-            reason: Inconclusive::NoPoints,
+            reason: InconclusiveReason::NoPoints,
         };
         assert_eq!(evidence.verdict() == no_points, points == 0);
         if points == 0 {

@@ -2,7 +2,7 @@
 
 use symplint::map::Capabilities;
 use symplint::state::RowsMut;
-use symplint::verdict::{Agreement, Inconclusive, JacobianVerdict, compare_jacobian};
+use symplint::verdict::{Agreement, InconclusiveReason, JacobianVerdict, compare_jacobian};
 use symplint::{
     Circle, Coordinates, Diagnostic, FourierLoop, JacobianTest, Loop, PerSample, StepFailure,
     TimeAdvance, VerdictKind,
@@ -151,7 +151,7 @@ fn what_deforms_nothing_tests_nothing() {
     assert!(matches!(
         verdict,
         JacobianVerdict::Undecided {
-            reason: Inconclusive::LittleDeformation { .. }
+            reason: InconclusiveReason::LittleDeformation { .. }
         }
     ));
 }

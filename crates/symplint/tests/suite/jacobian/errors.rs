@@ -1,6 +1,6 @@
 //! Bad input and maps that fail.
 
-use symplint::error::StateAt;
+use symplint::error::StateLocation;
 use symplint::jacobian::JacobianEvidence;
 use symplint::{
     Block, Circle, Error, FourierLoop, JacobianTest, PerSample, StepFailure, TimeAdvance,
@@ -76,7 +76,7 @@ fn a_failure_near_the_loop_names_its_point_and_that_the_state_is_displaced() {
     for fails in [true, false] {
         let error = JacobianTest::default().run(&OnlyInside(fails), &unit, 0.5);
         let error = error.unwrap_err();
-        let displaced = |at| matches!(at, StateAt::Displaced(_));
+        let displaced = |at| matches!(at, StateLocation::Displaced(_));
         assert!(
             matches!(error, Error::NotFinite { at, .. } | Error::StepFailed { at, .. } if displaced(at)),
             "{error}"

@@ -3,8 +3,8 @@
 use serde_json::json;
 use symplint::breaks::Break;
 use symplint::evidence::{
-    Check, Contraction, LongTime, Motion, Omission, OutputFormat, OutputPrecision, Rank, Scatter,
-    ScatterKind, Sector, SubstepDefect, Why,
+    Check, Contraction, LongTime, Motion, Omission, OmissionReason, OutputFormat, OutputPrecision,
+    Rank, Scatter, ScatterKind, Sector, SubstepDefect,
 };
 use symplint::verdict::{
     Advice, BoundFinding, BreakFinding, Change, ChangeFinding, DomainFinding, Finding, Growth,
@@ -605,19 +605,22 @@ fn of_advice() {
 
 #[test]
 fn of_omissions() {
-    let failed = |step_size| Why::Failed {
+    let failed = |step_size| OmissionReason::Failed {
         step_size,
         reason: "the map failed".into(),
     };
-    let (one, three) = (Why::Budget { missing: 1 }, Why::Budget { missing: 3 });
-    let memory = Why::Memory { samples: 64 };
+    let (one, three) = (
+        OmissionReason::Budget { missing: 1 },
+        OmissionReason::Budget { missing: 3 },
+    );
+    let memory = OmissionReason::Memory { samples: 64 };
     let of_checks = [
         (
             Check::GivenLoop,
             vec![
                 one.clone(),
                 three.clone(),
-                Why::Unresolved,
+                OmissionReason::Unresolved,
                 failed(Some(0.5)),
             ],
         ),

@@ -8,7 +8,7 @@ use crate::dual::{Method, SYSTEMS, Step, System};
 use given::Given;
 use symplint::jacobian::{JacobianEvidence, JacobianMethod, TangentDefect};
 use symplint::state::RowsMut;
-use symplint::verdict::{Inconclusive, JacobianVerdict};
+use symplint::verdict::{InconclusiveReason, JacobianVerdict};
 use symplint::{Block, Circle, JacobianTest, Loop, TimeAdvance};
 
 fn circle(dof: usize) -> Circle {
@@ -289,7 +289,7 @@ fn a_step_that_deforms_nothing_tests_nothing() {
     assert!(matches!(
         run(&map, 0.5).verdict(),
         JacobianVerdict::Undecided {
-            reason: Inconclusive::LittleDeformation { .. }
+            reason: InconclusiveReason::LittleDeformation { .. }
         }
     ));
 }

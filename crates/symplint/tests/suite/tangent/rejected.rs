@@ -1,6 +1,6 @@
 //! Tangent maps that do not belong to their map.
 
-use symplint::error::StateAt;
+use symplint::error::StateLocation;
 use symplint::jacobian::{JacobianMethod, TangentRejection};
 use symplint::map::{Capabilities, TangentMap};
 use symplint::verdict::JacobianVerdict;
@@ -173,7 +173,7 @@ fn a_step_that_fails_for_tangents_is_an_error_that_says_where() {
         matches!(
             error,
             Error::StepFailed {
-                at: StateAt::Loop(_),
+                at: StateLocation::Loop(_),
                 ..
             }
         ),

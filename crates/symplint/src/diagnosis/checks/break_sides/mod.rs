@@ -11,7 +11,7 @@ use limits::{
 use super::{GivenLoop, Runner};
 use crate::breaks::Break;
 use crate::error::Error;
-use crate::evidence::{AlongFlow, BreakSides, CoordinateAtBreak, PositionAtBreak};
+use crate::evidence::{BreakAlongFlow, BreakSides, CoordinateAtBreak, PositionAtBreak};
 use crate::map::{LoopSize, states_at};
 use crate::rules::Subject;
 use crate::signal::{Extent, dot, nearest};
@@ -216,7 +216,7 @@ fn along_flow(
     h: f64,
     sides: &Ensemble,
     size: &LoopSize,
-) -> Result<Option<AlongFlow>, Error> {
+) -> Result<Option<BreakAlongFlow>, Error> {
     let (evaluator, dof) = (subject.evaluator, subject.dof());
     // In units of the radii.
     let difference = |from: (&Ensemble, usize), to: (&Ensemble, usize)| -> Vec<f64> {
@@ -238,7 +238,7 @@ fn along_flow(
     let length = norm(&difference((sides, 0), (sides, 1)));
     let mut known = (0.0, difference((sides, side), (sides, 1 - side)));
     let mut part = first[side];
-    let mut best: Option<AlongFlow> = None;
+    let mut best: Option<BreakAlongFlow> = None;
     for _ in 0..MAX_SECANT_TRIALS {
         if !(part > 0.0 && part <= MAX_PART_OF_STEP) {
             break;
@@ -250,7 +250,7 @@ fn along_flow(
         let miss = difference((&state, 0), (sides, 1 - side));
         let distance = norm(&miss) / length;
         if best.is_none_or(|best| distance < best.distance) {
-            best = Some(AlongFlow { part, distance });
+            best = Some(BreakAlongFlow { part, distance });
         }
         if distance < MAX_DISTANCE_OVER_JUMP {
             break;

@@ -6,7 +6,7 @@ pub(in crate::diagnosis) use singular::cost as singular_cost;
 
 use super::{GivenLoop, Runner};
 use crate::error::Error;
-use crate::evidence::{Check, LoopEvidence, MAX_BOUND_ON_DEFECT, Why};
+use crate::evidence::{Check, LoopEvidence, MAX_BOUND_ON_DEFECT, OmissionReason};
 use crate::jacobian::JacobianEvidence;
 use crate::rules::Subject;
 use crate::signal::{nearest, parameter};
@@ -37,7 +37,7 @@ impl Runner<'_> {
             return Ok(());
         }
         if self.count.left() < singular_cost(subject.dof()) {
-            self.omit(Check::Constraint, Why::BUDGET);
+            self.omit(Check::Constraint, OmissionReason::BUDGET);
             return Ok(());
         }
         let found = singular_jacobian(subject, &given.size, self.largest);
@@ -63,7 +63,7 @@ impl Runner<'_> {
         };
         self.evidence.survey.degenerate_form = degenerate_form(subject, &given.size)?;
         if self.count.left() < STATES {
-            self.omit(Check::Constraint, Why::BUDGET);
+            self.omit(Check::Constraint, OmissionReason::BUDGET);
             return Ok(());
         }
         let s: Vec<f64> = (0..STATES).map(parameter).collect();

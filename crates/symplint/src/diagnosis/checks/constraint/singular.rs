@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, SymmetricEigen};
 
-use crate::error::{Error, StateAt};
+use crate::error::{Error, StateLocation};
 use crate::evidence::{Rank, SingularJacobian};
 use crate::map::{Evaluator, LoopSize};
 use crate::rules::Subject;
@@ -81,7 +81,7 @@ pub(super) fn singular_jacobian(
             let displaced: Vec<usize> = dofs.iter().flat_map(|&i| [i, dof + i]).collect();
             let columns = Columns::measure(subject, size, s, &displaced, |states, fill| {
                 let advanced = subject.evaluator.advance_from(states, h, fill);
-                advanced.map_err(|error| error.at(|_| StateAt::Displaced(s)))
+                advanced.map_err(|error| error.at(|_| StateLocation::Displaced(s)))
             })?;
             of_site = of_site.or(columns.singular(s));
         }

@@ -15,7 +15,7 @@ use crate::diagnosis::Diagnostic;
 use crate::diagnosis::plan::Plan;
 use crate::diagnosis::plan::fits;
 use crate::error::Error;
-use crate::evidence::{Check, Localisation, LoopEvidence, Why};
+use crate::evidence::{Check, Localisation, LoopEvidence, OmissionReason};
 use crate::loops::FourierLoop;
 use crate::map::{LoopSize, ProjectedLoop};
 use crate::rules::{Rule, RuleKind, Subject};
@@ -48,7 +48,7 @@ impl Runner<'_> {
         };
         let most = passes.saturating_mul(given.cost);
         if self.count.left() < most {
-            self.omit(Check::Localisation, Why::BUDGET);
+            self.omit(Check::Localisation, OmissionReason::BUDGET);
             return Ok(());
         }
         let found = self.diagnostic.locate(

@@ -15,7 +15,7 @@ pub(super) use purity::{Noise, check_again};
 use super::{GivenLoop, Runner};
 use crate::breaks::Break;
 use crate::error::Error;
-use crate::evidence::{BreakAt, Scatter, ScatterKind};
+use crate::evidence::{LoopBreak, Scatter, ScatterKind};
 use crate::map::{Difference, Evaluator};
 use crate::rules::Subject;
 use ignored_step_size::ignores_step_size;
@@ -129,7 +129,7 @@ impl Runner<'_> {
         let Some(wrong) = self.evidence.survey.wrong_period else {
             return Ok(());
         };
-        let is_wrapped = |at: &BreakAt| {
+        let is_wrapped = |at: &LoopBreak| {
             let Break {
                 dof,
                 jump_q,

@@ -29,7 +29,7 @@ pub(super) struct Entry {
 }
 
 /// The answer.
-pub(super) enum Fit {
+pub(super) enum FormFit {
     Preserved(Vec<Entry>),
     /// The form that is nearest to a preserved one changes by this part of its largest entry.
     None {
@@ -42,11 +42,11 @@ pub(super) enum Fit {
 
 /// The form that `images` at several states have in common: of all constant ones, if they are those of all unit vectors; else of
 /// weights and signs. One of weights and signs is preferred.
-pub(super) fn preserved(images: &[TangentImages], dof: usize, all_constant: bool) -> Fit {
+pub(super) fn preserved(images: &[TangentImages], dof: usize, all_constant: bool) -> FormFit {
     let mut entries: Vec<Entry> = Vec::new();
     let (mut is_open, mut is_degenerate) = (false, false);
-    let mut add = |fit: Fit| match fit {
-        Fit::Preserved(found) => {
+    let mut add = |fit: FormFit| match fit {
+        FormFit::Preserved(found) => {
             let first = entries.iter().map(|entry| entry.group + 1).max();
             entries.extend(found.into_iter().map(|entry| Entry {
                 group: first.unwrap_or(0) + entry.group,
@@ -54,15 +54,15 @@ pub(super) fn preserved(images: &[TangentImages], dof: usize, all_constant: bool
             }));
             None
         }
-        Fit::Open => {
+        FormFit::Open => {
             is_open = true;
             None
         }
-        Fit::Degenerate => {
+        FormFit::Degenerate => {
             is_degenerate = true;
             None
         }
-        none @ Fit::None { .. } => Some(none),
+        none @ FormFit::None { .. } => Some(none),
     };
     let (pairs_of_all, coordinates) = match all_constant {
         true => (parts(images, dof, true), parts(images, dof, false)),
@@ -70,8 +70,8 @@ pub(super) fn preserved(images: &[TangentImages], dof: usize, all_constant: bool
     };
     for part in pairs_of_all {
         match weights(images, dof, &part) {
-            fit @ (Fit::None { .. } | Fit::Degenerate) if all_constant => {
-                let has_degenerate = matches!(fit, Fit::Degenerate);
+            fit @ (FormFit::None { .. } | FormFit::Degenerate) if all_constant => {
+                let has_degenerate = matches!(fit, FormFit::Degenerate);
                 let within = |of: &&Vec<usize>| of.iter().all(|c| part.contains(c));
                 let smaller: Vec<&Vec<usize>> = coordinates.iter().filter(within).collect();
                 if dof == 1 {
@@ -79,7 +79,7 @@ pub(super) fn preserved(images: &[TangentImages], dof: usize, all_constant: bool
                 }
                 for of in smaller {
                     let fit = match general(images, dof, of) {
-                        Fit::Open if has_degenerate => Fit::Degenerate,
+                        FormFit::Open if has_degenerate => FormFit::Degenerate,
                         fit => fit,
                     };
                     if let Some(none) = add(fit) {
@@ -95,9 +95,9 @@ pub(super) fn preserved(images: &[TangentImages], dof: usize, all_constant: bool
         }
     }
     match (is_degenerate, is_open) {
-        (true, _) => Fit::Degenerate,
-        (false, true) => Fit::Open,
-        (false, false) => Fit::Preserved(entries),
+        (true, _) => FormFit::Degenerate,
+        (false, true) => FormFit::Open,
+        (false, false) => FormFit::Preserved(entries),
     }
 }
 
@@ -210,7 +210,7 @@ fn equations(images: &[TangentImages], coordinates: &[usize], terms: &[Term]) ->
 }
 
 /// The weights of a preserved form Σ c_i dq_i∧dp_i of these coordinates.
-fn weights(images: &[TangentImages], dof: usize, coordinates: &[usize]) -> Fit {
+fn weights(images: &[TangentImages], dof: usize, coordinates: &[usize]) -> FormFit {
     let dofs = coordinates.iter().filter(|c| **c < dof);
     let terms: Vec<Term> = dofs.map(|&i| Term::constant((i, dof + i))).collect();
     let equations = equations(images, coordinates, &terms);
@@ -230,14 +230,14 @@ fn weights(images: &[TangentImages], dof: usize, coordinates: &[usize]) -> Fit {
     for _ in 0..UNIT_ROUNDS {
         let space = match equations.solve(&units) {
             Solutions::Space(space) => space,
-            Solutions::None { residual } => return Fit::None { change: residual },
-            Solutions::Open => return Fit::Open,
+            Solutions::None { residual } => return FormFit::None { change: residual },
+            Solutions::Open => return FormFit::Open,
         };
         let Some(groups) = space.groups() else {
             // A weight is 0 in all solutions, to within its error.
             return match space.errors.iter().all(|error| *error < MAX_RELATIVE_ERROR) {
-                true => Fit::Degenerate,
-                false => Fit::Open,
+                true => FormFit::Degenerate,
+                false => FormFit::Open,
             };
         };
         let largest = |group: usize| {
@@ -261,17 +261,17 @@ fn weights(images: &[TangentImages], dof: usize, coordinates: &[usize]) -> Fit {
                     group,
                 }
             };
-            return Fit::Preserved((0..terms.len()).map(entry).collect());
+            return FormFit::Preserved((0..terms.len()).map(entry).collect());
         }
         for (unit, factor) in units.iter_mut().zip(factors) {
             *unit *= factor.abs().max(MIN_SINGULAR_VALUE);
         }
     }
-    Fit::Open
+    FormFit::Open
 }
 
 /// Any preserved form of these coordinates: the one that is nearest to the canonical one, if there are several.
-fn general(images: &[TangentImages], dof: usize, coordinates: &[usize]) -> Fit {
+fn general(images: &[TangentImages], dof: usize, coordinates: &[usize]) -> FormFit {
     let pairs: Vec<(usize, usize)> = (coordinates.iter().enumerate())
         .flat_map(|(k, &a)| coordinates[k + 1..].iter().map(move |&b| (a, b)))
         .collect();
@@ -285,8 +285,8 @@ fn general(images: &[TangentImages], dof: usize, coordinates: &[usize]) -> Fit {
             .collect();
         let space = match equations.solve(&units) {
             Solutions::Space(space) => space,
-            Solutions::None { residual } => return Fit::None { change: residual },
-            Solutions::Open => return Fit::Open,
+            Solutions::None { residual } => return FormFit::None { change: residual },
+            Solutions::Open => return FormFit::Open,
         };
         let matrix = |of: &[f64]| {
             let mut matrix = DMatrix::zeros(coordinates.len(), coordinates.len());
@@ -304,22 +304,22 @@ fn general(images: &[TangentImages], dof: usize, coordinates: &[usize]) -> Fit {
             .find(|form| !is_degenerate(&matrix(form)))
         else {
             // Or its units are not known yet.
-            return Fit::Open;
+            return FormFit::Open;
         };
         let largest = |k: usize| matrix(&form).row(k).amax();
         let factors: Vec<f64> = (0..coordinates.len()).map(largest).collect();
         if factors.iter().all(|x| *x >= MIN_ENTRY_NEAR_ONE) || round + 1 == UNIT_ROUNDS {
-            return Fit::Preserved(entries(&form, &space, &terms, &units));
+            return FormFit::Preserved(entries(&form, &space, &terms, &units));
         }
         for (scale, factor) in scale.iter_mut().zip(factors) {
             *scale *= factor.sqrt().max(MIN_SINGULAR_VALUE);
         }
     }
-    Fit::Open
+    FormFit::Open
 }
 
 /// The form Σ c_i dq_i∧dp_i + Σ B_ij(q) dq_i∧dq_j with polynomials B_ij of low degree that has no other terms: closed ones alone are tried.
-pub(super) fn with_field(images: &[TangentImages], dof: usize) -> Fit {
+pub(super) fn with_field(images: &[TangentImages], dof: usize) -> FormFit {
     let mut terms: Vec<Term> = (0..dof).map(|i| Term::constant((i, dof + i))).collect();
     for powers in powers(dof) {
         // Every closed form is a sum of these: z_a is the first factor of the polynomial, and q_b not its first one.
@@ -335,8 +335,8 @@ pub(super) fn with_field(images: &[TangentImages], dof: usize) -> Fit {
     let units = vec![1.0; terms.len()];
     let space = match equations(images, &all, &terms).solve(&units) {
         Solutions::Space(space) => space,
-        Solutions::None { residual } => return Fit::None { change: residual },
-        Solutions::Open => return Fit::Open,
+        Solutions::None { residual } => return FormFit::None { change: residual },
+        Solutions::Open => return FormFit::Open,
     };
     let canonical: Vec<f64> = (0..terms.len())
         .map(|k| if k < dof { 1.0 } else { 0.0 })
@@ -347,8 +347,8 @@ pub(super) fn with_field(images: &[TangentImages], dof: usize) -> Fit {
             .all(|weight| weight.abs() > MIN_SINGULAR_VALUE)
     };
     match candidates(&space, &canonical).into_iter().find(is_form) {
-        Some(form) => Fit::Preserved(entries(&form, &space, &terms, &units)),
-        None => Fit::Open,
+        Some(form) => FormFit::Preserved(entries(&form, &space, &terms, &units)),
+        None => FormFit::Open,
     }
 }
 

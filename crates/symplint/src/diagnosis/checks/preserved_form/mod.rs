@@ -8,7 +8,7 @@ mod on_loops;
 mod refine;
 mod rounded;
 
-use fit::{Entry, Fit, Term};
+use fit::{Entry, FormFit, Term};
 use limits::{
     DOFS_OF_FIELD, EXTRA_VECTORS, MAX_DOF_OF_ALL_FORMS, MAX_DOF_OF_WEIGHTS, MAX_EVALUATIONS,
     MAX_JACOBIAN_ERROR, MAX_RELATIVE_ERROR, MAX_SAMPLES, SEED_OF_REFINING, STATES,
@@ -19,7 +19,8 @@ use super::random_loops::loop_of_kind;
 use super::{GivenLoop, Runner};
 use crate::error::Error;
 use crate::evidence::{
-    Check, FormEntry, FormOnLoop, LoopEvidence, LoopKind, PreservedForm, Why, uncertain_part,
+    Check, FormEntry, FormOnLoop, LoopEvidence, LoopKind, OmissionReason, PreservedForm,
+    uncertain_part,
 };
 use crate::jacobian::{JacobianEvidence, JacobianTest, TangentImages};
 use crate::loops::FEW_SAMPLES;
@@ -54,7 +55,7 @@ impl Runner<'_> {
         let (dof, h) = (subject.dof(), self.largest);
         let all_constant = dof <= MAX_DOF_OF_ALL_FORMS;
         let Some(images) = self.columns(subject, given, images)? else {
-            self.omit(Check::PreservedForm, Why::BUDGET);
+            self.omit(Check::PreservedForm, OmissionReason::BUDGET);
             return Ok(());
         };
         let mut found = PreservedForm {
@@ -81,24 +82,24 @@ impl Runner<'_> {
         };
         let mut fit = fit::preserved(of_fit, dof, all_constant);
         let has_period = (0..dof).any(|i| subject.coordinates().period(i) != 0.0);
-        if let Fit::None { .. } | Fit::Degenerate = fit
+        if let FormFit::None { .. } | FormFit::Degenerate = fit
             && DOFS_OF_FIELD.contains(&dof)
             && !has_period
         {
             match fit::with_field(of_fit, dof) {
                 // The constant form that comes nearest stays the answer.
-                Fit::None { .. } => found.with_fields = true,
-                Fit::Open | Fit::Degenerate => {}
-                preserved @ Fit::Preserved(_) => (fit, found.with_fields) = (preserved, true),
+                FormFit::None { .. } => found.with_fields = true,
+                FormFit::Open | FormFit::Degenerate => {}
+                preserved @ FormFit::Preserved(_) => (fit, found.with_fields) = (preserved, true),
             }
         }
         match fit {
-            Fit::Open => {}
-            Fit::Degenerate => found.exists = Some(false),
-            Fit::None { change } => {
+            FormFit::Open => {}
+            FormFit::Degenerate => found.exists = Some(false),
+            FormFit::None { change } => {
                 (found.exists, found.change) = (Some(false), Some(change));
             }
-            Fit::Preserved(entries) => {
+            FormFit::Preserved(entries) => {
                 if let Some(entries) = self.form(subject, given, &images, &entries)? {
                     found.loops = self.on_loops(subject, given, &entries)?;
                     found.exists = Some(true);

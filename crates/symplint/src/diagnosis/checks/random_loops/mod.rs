@@ -13,7 +13,9 @@ use crate::diagnosis::resolve::Resolution;
 use crate::diagnosis::resolve::initial_samples::InitialSamples;
 use crate::diagnosis::resolve::probe::{Probe, StepMeasurement};
 use crate::error::Error;
-use crate::evidence::{Check, DofGroup, LoopEvidence, LoopKind, Motion, StepEvidence, Sweep, Why};
+use crate::evidence::{
+    Check, DofGroup, LoopEvidence, LoopKind, Motion, OmissionReason, StepEvidence, Sweep,
+};
 use crate::loops::FourierLoop;
 use crate::map::{ImageLoop, LoopSize};
 use crate::rules::Subject;
@@ -99,7 +101,10 @@ impl Runner<'_> {
             }
         }
         if omitted > 0 {
-            self.omit(Check::RandomLoops, Why::Budget { missing: omitted });
+            self.omit(
+                Check::RandomLoops,
+                OmissionReason::Budget { missing: omitted },
+            );
         }
         let winds = self.evidence.loops[0].winds;
         let affordable = self.left() >= given.cost.max(self.plan.first_samples);
