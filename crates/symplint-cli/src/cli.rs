@@ -108,7 +108,7 @@ pub enum Command {
     /// List systems, integrators, rules or figures.
     List {
         /// What to list.
-        what: Listing,
+        what: ListTopic,
     },
     /// Print a commented starter configuration.
     Init {
@@ -164,7 +164,7 @@ impl Command {
 
 /// What can be listed.
 #[derive(Clone, Copy, ValueEnum)]
-pub enum Listing {
+pub enum ListTopic {
     /// Hamiltonians and maps.
     Systems,
     /// Time-advance maps.
@@ -227,7 +227,7 @@ pub struct PlanArgs {
     pub settings: Settings,
     /// Output and threads.
     #[command(flatten)]
-    pub shown: DisplayArgs,
+    pub shown: OutputArgs,
 }
 
 /// Arguments of `advance`.
@@ -262,7 +262,7 @@ pub struct ResumeArgs {
     pub folder: PathBuf,
     /// Output and threads.
     #[command(flatten)]
-    pub shown: DisplayArgs,
+    pub shown: OutputArgs,
 }
 
 /// Arguments of `trace`.
@@ -458,12 +458,12 @@ pub struct Run {
     pub force: bool,
     /// The rest.
     #[command(flatten)]
-    pub shown: DisplayArgs,
+    pub shown: OutputArgs,
 }
 
 /// Output on the terminal, and the number of threads.
 #[derive(Args, Clone)]
-pub struct DisplayArgs {
+pub struct OutputArgs {
     /// Print the report as JSON on standard output, and nothing else
     #[arg(long)]
     pub json: bool,

@@ -7,7 +7,7 @@ use chacha20::ChaCha8Rng;
 use chacha20::rand_core::{Rng, SeedableRng};
 use symplint::{Verdict, VerdictKind};
 use symplint_config::Config;
-use symplint_truth::scaled::ScaledCoordinates;
+use symplint_truth::scaled::ScalingAdapter;
 
 /// From 1e-9 to 1e9 with equal chance in the logarithm.
 fn factor(random: &mut ChaCha8Rng) -> f64 {
@@ -30,8 +30,8 @@ fn examples() -> Vec<PathBuf> {
 
 /// The verdict in coordinates that are scaled by these factors.
 fn verdict(config: &Config, factors: Vec<f64>) -> Verdict {
-    let map = ScaledCoordinates::new(&*config.map, factors.clone());
-    let phase_loop = ScaledCoordinates::new(&*config.phase_loop, factors);
+    let map = ScalingAdapter::new(&*config.map, factors.clone());
+    let phase_loop = ScalingAdapter::new(&*config.phase_loop, factors);
     config.diagnostic.run(&map, &phase_loop).unwrap().verdict
 }
 

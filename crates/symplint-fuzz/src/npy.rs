@@ -8,10 +8,10 @@ use crate::files::with_file;
 
 /// Decodes the bytes as an array, and reads them as both files of a pair.
 pub fn npy(data: &[u8]) {
-    for accept in [NumberKind::Floats, NumberKind::Numbers] {
-        if let Ok(array) = Array::decode(data, accept, Path::new("fuzz.npy"), "") {
+    for kind in [NumberKind::Floats, NumberKind::Numbers] {
+        if let Ok(array) = Array::decode(data, kind, Path::new("fuzz.npy"), "") {
             let bytes = array.encode();
-            let again = Array::decode(&bytes, accept, Path::new("again.npy"), "");
+            let again = Array::decode(&bytes, kind, Path::new("again.npy"), "");
             let again = again.unwrap_or_else(|error| panic!("{error}"));
             assert_eq!(again.shape, array.shape);
             assert_eq!(again.values.len(), array.values.len());

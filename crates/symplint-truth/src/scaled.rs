@@ -4,15 +4,15 @@ use symplint::map::{Capabilities, Constraint, Parts, Substeps};
 use symplint::{Block, Coordinates, Loop, StepFailure, TimeAdvance};
 
 /// Something in scaled coordinates.
-pub struct ScaledCoordinates<T> {
+pub struct ScalingAdapter<T> {
     inner: T,
     factors: Vec<f64>,
 }
 
-impl<T> ScaledCoordinates<T> {
+impl<T> ScalingAdapter<T> {
     /// In units that are larger by these factors for positions, and smaller for momenta.
     pub fn new(inner: T, factors: Vec<f64>) -> Self {
-        ScaledCoordinates { inner, factors }
+        ScalingAdapter { inner, factors }
     }
 
     /// From scaled coordinates to those of the inner one, or back.
@@ -25,7 +25,7 @@ impl<T> ScaledCoordinates<T> {
     }
 }
 
-impl<L: Loop> Loop for ScaledCoordinates<L> {
+impl<L: Loop> Loop for ScalingAdapter<L> {
     fn dof(&self) -> usize {
         self.inner.dof()
     }
@@ -36,7 +36,7 @@ impl<L: Loop> Loop for ScaledCoordinates<L> {
     }
 }
 
-impl<M: TimeAdvance> TimeAdvance for ScaledCoordinates<M> {
+impl<M: TimeAdvance> TimeAdvance for ScalingAdapter<M> {
     fn dof(&self) -> usize {
         self.inner.dof()
     }
@@ -70,7 +70,7 @@ impl<M: TimeAdvance> TimeAdvance for ScaledCoordinates<M> {
     }
 }
 
-impl<M: TimeAdvance> Substeps for ScaledCoordinates<M> {
+impl<M: TimeAdvance> Substeps for ScalingAdapter<M> {
     fn substeps(&self) -> usize {
         Parts::of(&self.inner).count()
     }
@@ -88,7 +88,7 @@ impl<M: TimeAdvance> Substeps for ScaledCoordinates<M> {
     }
 }
 
-impl<M: TimeAdvance> Constraint for ScaledCoordinates<M> {
+impl<M: TimeAdvance> Constraint for ScalingAdapter<M> {
     fn project(&self, block: &mut Block<'_>) {
         let constraint = self
             .inner

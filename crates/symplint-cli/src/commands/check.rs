@@ -12,7 +12,7 @@ use symplint_run::{Round, RunError, RunOutput};
 
 use super::plan::say_round;
 use super::run_output;
-use crate::cli::{CheckArgs, DisplayArgs, Run};
+use crate::cli::{CheckArgs, OutputArgs, Run};
 use crate::failure::Failure;
 use crate::output::{Progress, diagnosis_text, go_on, say, tell};
 use crate::status::{SUCCESS, Status};
@@ -165,7 +165,7 @@ fn write_report(
 fn show(
     config: &Config,
     diagnosis: &Diagnosis,
-    shown: &DisplayArgs,
+    shown: &OutputArgs,
     output: Option<&RunOutput>,
 ) -> Result<(), Failure> {
     let title = config.heading();

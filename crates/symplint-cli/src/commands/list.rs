@@ -8,28 +8,28 @@ use symplint_paper::ITEMS;
 use symplint_plasma::CATALOGUE;
 use symplint_report::table::definitions;
 
-use crate::cli::Listing;
+use crate::cli::ListTopic;
 use crate::failure::Failure;
 use crate::output::{say, width};
 use crate::status::{SUCCESS, Status};
 
 /// Prints the systems, integrators, rules or items of the paper.
-pub fn list(what: Listing) -> Result<Status, Failure> {
+pub fn list(what: ListTopic) -> Result<Status, Failure> {
     let rows: Vec<(String, String)> = match what {
-        Listing::Systems => (SYSTEMS.iter())
+        ListTopic::Systems => (SYSTEMS.iter())
             .map(|info| {
                 let keys: Vec<&str> = info.keys.iter().map(|key| key.name).collect();
                 let text = format!("{}. Keys: {}", info.summary, keys.join(", "));
                 (info.name.to_owned(), text)
             })
             .collect(),
-        Listing::Integrators => (CATALOGUE.iter())
+        ListTopic::Integrators => (CATALOGUE.iter())
             .map(|info| (info.name.to_owned(), integrator(info)))
             .collect(),
-        Listing::Rules => (RuleKind::CHOICES.iter())
+        ListTopic::Rules => (RuleKind::CHOICES.iter())
             .map(|rule| (rule.name().to_owned(), rule.summary().to_owned()))
             .collect(),
-        Listing::Figures => (ITEMS.iter())
+        ListTopic::Figures => (ITEMS.iter())
             .map(|item| {
                 (
                     item.id.to_owned(),

@@ -6,7 +6,7 @@ use symplint_run::Request;
 
 use super::check::{Calls, diagnose};
 use super::resume::config_of_run;
-use crate::cli::{DisplayArgs, PlanArgs, ResumeArgs, Run};
+use crate::cli::{OutputArgs, PlanArgs, ResumeArgs, Run};
 use crate::failure::Failure;
 use crate::output::{go_on, say, tell};
 use crate::provenance;
@@ -45,7 +45,7 @@ pub fn collect(arguments: &ResumeArgs) -> Result<Status, Failure> {
 pub(super) fn say_round(
     requests: &[Request],
     folder: &Path,
-    shown: &DisplayArgs,
+    shown: &OutputArgs,
 ) -> Result<(), Failure> {
     let states: usize = requests
         .iter()

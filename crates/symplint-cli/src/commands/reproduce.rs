@@ -7,7 +7,7 @@ use symplint_run::RunOutput;
 
 use super::item_settings::item_settings;
 use super::list::list;
-use crate::cli::{Listing, ReproduceArgs};
+use crate::cli::{ListTopic, ReproduceArgs};
 use crate::failure::Failure;
 use crate::output::{Progress, say};
 use crate::provenance;
@@ -16,7 +16,7 @@ use crate::status::{SUCCESS, Status};
 /// Reproduces items of the paper.
 pub fn reproduce(arguments: &ReproduceArgs) -> Result<Status, Failure> {
     if arguments.list {
-        return list(Listing::Figures);
+        return list(ListTopic::Figures);
     }
     let started = provenance::start();
     let items = chosen(&arguments.ids)?;

@@ -12,7 +12,7 @@ mod velocities;
 pub use guiding_center::GuidingCenter;
 pub use lotka_volterra::LotkaVolterra;
 pub use massless_charge::MasslessCharge;
-pub use steps::{SystemForm, by_runge_kutta, by_steps, by_symplectic_steps, states_of};
+pub use steps::{SystemOneForm, by_runge_kutta, by_steps, by_symplectic_steps, states_of};
 pub use velocities::{Velocities, VelocityStep};
 
 #[cfg(doc)]

@@ -11,9 +11,9 @@ use crate::integrators::{RungeKutta, Tableau};
 
 /// The one-form of a system.
 #[derive(Clone, Copy, Debug)]
-pub struct SystemForm<S, const D: usize>(pub S);
+pub struct SystemOneForm<S, const D: usize>(pub S);
 
-impl<S: NonCanonicalSystem<D>, const D: usize> OneForm for SystemForm<S, D> {
+impl<S: NonCanonicalSystem<D>, const D: usize> OneForm for SystemOneForm<S, D> {
     fn dimension(&self) -> usize {
         2 * D
     }
@@ -112,7 +112,7 @@ pub fn by_runge_kutta<S: NonCanonicalSystem<D>, const D: usize>(
     method: Tableau,
 ) -> Result<impl TimeAdvance, ModelError> {
     let steps = RungeKutta::new(method, Equations(system.clone()))?;
-    Ok(NonCanonical::new(steps, SystemForm(system)).expect("both have D degrees of freedom"))
+    Ok(NonCanonical::new(steps, SystemOneForm(system)).expect("both have D degrees of freedom"))
 }
 
 /// A system advanced by other steps.
@@ -120,7 +120,7 @@ pub fn by_steps<S: NonCanonicalSystem<D>, const D: usize>(
     system: S,
     step: impl Fn(f64, State<D>) -> Result<State<D>, &'static str> + Send + Sync + 'static,
 ) -> Result<impl TimeAdvance, ModelError> {
-    let map = NonCanonical::new(Steps(step), SystemForm(system));
+    let map = NonCanonical::new(Steps(step), SystemOneForm(system));
     Ok(map.expect("both have D degrees of freedom"))
 }
 

@@ -205,7 +205,7 @@ fn one(family: &Family, degree: usize, seed: u64) -> Result<Scheme, PaperError> 
 const COST_OF_IMPLICIT_STEP: usize = 5;
 
 /// A plasma, a step of it, and positions and momenta to begin with.
-type PlasmaMap = (Plasma, Box<dyn TimeAdvance>, (Vec<f64>, Vec<f64>));
+type PlasmaSetup = (Plasma, Box<dyn TimeAdvance>, (Vec<f64>, Vec<f64>));
 
 fn weights() -> ParticleWeights {
     ParticleWeights::Equal {
@@ -219,7 +219,7 @@ fn electrostatic_state(seed: u64) -> Result<(Vec<f64>, Vec<f64>), PaperError> {
     Ok(Landau::default().sample_box::<1>(PARTICLES, LENGTH, seed)?)
 }
 
-fn textbook(degree: usize, seed: u64) -> Result<PlasmaMap, PaperError> {
+fn textbook(degree: usize, seed: u64) -> Result<PlasmaSetup, PaperError> {
     let pic = MomentumConservingPic::new(MomentumConservingConfig {
         weights: weights(),
         cells: CELLS,
@@ -234,7 +234,7 @@ fn textbook(degree: usize, seed: u64) -> Result<PlasmaMap, PaperError> {
     ))
 }
 
-fn lewis(degree: usize, seed: u64) -> Result<PlasmaMap, PaperError> {
+fn lewis(degree: usize, seed: u64) -> Result<PlasmaSetup, PaperError> {
     let pic = Pic1d::new(PicConfig {
         weights: weights(),
         cells: CELLS,
@@ -251,7 +251,7 @@ fn electromagnetic(
     (fields, degree): (Fields, usize),
     (integrator, variant, solver): (&str, Option<&str>, StageSolver),
     seed: u64,
-) -> Result<PlasmaMap, PaperError> {
+) -> Result<PlasmaSetup, PaperError> {
     /// Of random potentials and fields.
     const AMPLITUDE: f64 = 0.2;
     let gempic = Gempic::new(GempicConfig {

@@ -11,11 +11,11 @@ pub struct PlannedCalls {
     journal: Arc<Journal>,
     /// Calls that failed, and are not asked for again.
     failed: HashMap<Call, StepFailure>,
-    asked: Mutex<CallRequests>,
+    asked: Mutex<PendingCalls>,
 }
 
 #[derive(Default)]
-struct CallRequests {
+struct PendingCalls {
     /// Calls that were announced, and are not asked for yet.
     begun: HashMap<Key, VecDeque<Call>>,
     missing: Vec<Request>,
@@ -85,7 +85,7 @@ impl PlannedCalls {
         missing
     }
 
-    fn asked(&self) -> MutexGuard<'_, CallRequests> {
+    fn asked(&self) -> MutexGuard<'_, PendingCalls> {
         self.asked.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }

@@ -27,7 +27,7 @@ enum Kind {
     /// The same as Euler steps: volume alone.
     CurlEuler,
     /// Leapfrog between two factors that multiply all momenta: conformal.
-    DampedMap,
+    Damped,
     /// One momentum alone is damped.
     OneDamped,
     /// A ∘ ρ A⁻¹ ρ with a stretch of q that depends on p: reversible, and volume changes.
@@ -49,7 +49,7 @@ const KINDS: [Kind; 12] = [
     Kind::Euler,
     Kind::CurlLeapfrog,
     Kind::CurlEuler,
-    Kind::DampedMap,
+    Kind::Damped,
     Kind::OneDamped,
     Kind::Stretched,
     Kind::CurlDamped,
@@ -67,7 +67,7 @@ impl Kind {
             Kind::Euler => "symplectic Euler steps",
             Kind::CurlLeapfrog => "leapfrog, force with a curl",
             Kind::CurlEuler => "Euler steps, force with a curl",
-            Kind::DampedMap => "leapfrog, all momenta damped",
+            Kind::Damped => "leapfrog, all momenta damped",
             Kind::OneDamped => "leapfrog, one momentum damped",
             Kind::Stretched => "stretch, leapfrog, and the reversed stretch",
             Kind::CurlDamped => "leapfrog, force with a curl, all momenta damped",
@@ -89,7 +89,7 @@ impl Kind {
             Kind::Euler => [true, true, true, false],
             Kind::CurlLeapfrog => [false, false, true, true],
             Kind::CurlEuler => [false, false, true, false],
-            Kind::DampedMap => [false, true, false, false],
+            Kind::Damped => [false, true, false, false],
             Kind::OneDamped => [false, false, false, false],
             Kind::Stretched | Kind::CurlStretched => [false, false, false, true],
             Kind::CurlDamped | Kind::StretchedDamped => [false, false, false, false],
@@ -146,7 +146,7 @@ fn verdict(kind: Kind, member: u64) -> Verdict {
     let drift = |h: f64, q: &mut [f64], p: &[f64]| (0..dof).for_each(|i| q[i] += h * p[i]);
     let map = PerSample::new(dof, move |h, q: &mut [f64], p: &mut [f64]| {
         let damped = match kind {
-            Kind::DampedMap | Kind::CurlDamped | Kind::StretchedDamped => dof,
+            Kind::Damped | Kind::CurlDamped | Kind::StretchedDamped => dof,
             Kind::OneDamped => 1,
             _ => 0,
         };

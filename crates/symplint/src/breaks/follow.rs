@@ -9,7 +9,7 @@ use super::limits::{
     SAMPLES_OF_SIZE, STATES_AROUND_ZONE, STATES_OF_LOOKS,
 };
 use super::residual::{Coordinate, Suspect};
-use super::{Break, BreakSearch, uncertainty_of_position};
+use super::{Break, SearchResult, uncertainty_of_position};
 use crate::error::Error;
 use crate::loops::Loop;
 use crate::map::{Evaluator, states_at};
@@ -52,7 +52,7 @@ pub(super) fn follow(
     suspect: &Suspect,
     samples: usize,
     known: Option<&Ensemble>,
-) -> Result<BreakSearch, Error> {
+) -> Result<SearchResult, Error> {
     let stretch = Stretch {
         evaluator,
         phase_loop,
@@ -65,7 +65,7 @@ pub(super) fn follow(
     };
     let mut sides = Sides::new(stretch.around(samples, known)?, stretch.period);
     let Some(bracket) = stretch.narrow(&mut sides)? else {
-        return Ok(BreakSearch::Clean);
+        return Ok(SearchResult::Clean);
     };
     let ends = [sides.left[0], sides.right[0]];
     let gap = Gap {
@@ -76,16 +76,16 @@ pub(super) fn follow(
         jump: nearest(ends[1].value - ends[0].value, stretch.period),
     };
     let Some(found) = gap.as_break()? else {
-        return Ok(BreakSearch::Clean);
+        return Ok(SearchResult::Clean);
     };
     let side_states = gap.side_states()?;
     if let SideStates::OnLevels = side_states {
-        return Ok(BreakSearch::Found(found));
+        return Ok(SearchResult::Found(found));
     }
     gap.repeat_ends()?;
     match side_states {
         SideStates::Flickering => gap.behind_the_zone(found),
-        _ => Ok(BreakSearch::Clean),
+        _ => Ok(SearchResult::Clean),
     }
 }
 
@@ -275,12 +275,12 @@ impl Gap<'_> {
     }
 
     /// Looks farther away, behind a zone next to the gap in which states flicker between its sides.
-    fn behind_the_zone(&self, found: Break) -> Result<BreakSearch, Error> {
+    fn behind_the_zone(&self, found: Break) -> Result<SearchResult, Error> {
         for distance in DISTANCES_FROM_ZONE {
             if self.stretch.evaluator.count().left()
                 < 2 * (STATES_AROUND_ZONE - 1 + INTERMEDIATE_ZONE_STATES)
             {
-                return Ok(BreakSearch::Unaffordable);
+                return Ok(SearchResult::Unaffordable);
             }
             let mut around = self.ends.map(|point| vec![point.value]);
             for (side, end) in around.iter_mut().zip([End::Low, End::High]) {
@@ -293,11 +293,11 @@ impl Gap<'_> {
                     *side = interleaved(side, &self.beside(end, &s)?);
                 }
                 if is_between_levels(self.jump, [&around[0], &around[1]]) {
-                    return Ok(BreakSearch::Found(found));
+                    return Ok(SearchResult::Found(found));
                 }
             }
         }
-        Ok(BreakSearch::Clean)
+        Ok(SearchResult::Clean)
     }
 }
 

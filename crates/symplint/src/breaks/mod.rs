@@ -95,14 +95,14 @@ pub fn find_break(
     let count = EvaluationCount::unlimited();
     let evaluator = Evaluator::new(map, &count)?;
     match find_break_with(&evaluator, phase_loop, h, advanced)? {
-        BreakSearch::Found(found) => Ok(Some(found)),
-        BreakSearch::Clean | BreakSearch::Unaffordable => Ok(None),
+        SearchResult::Found(found) => Ok(Some(found)),
+        SearchResult::Clean | SearchResult::Unaffordable => Ok(None),
     }
 }
 
 /// The result of a search for a break.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum BreakSearch {
+pub(crate) enum SearchResult {
     /// The samples show no jump, or what looked like one is continuous.
     Clean,
     /// A break.
@@ -117,7 +117,7 @@ pub(crate) fn find_break_with(
     phase_loop: &dyn Loop,
     h: f64,
     advanced: &Ensemble,
-) -> Result<BreakSearch, Error> {
+) -> Result<SearchResult, Error> {
     let dof = phase_loop.dof();
     evaluator.check_dof(dof)?;
     Error::check_length("rows of the advanced samples", dof, advanced.dof())?;
@@ -132,7 +132,7 @@ pub(crate) fn find_break_in(
     h: f64,
     advanced: &Ensemble,
     rows: &[[bool; 2]],
-) -> Result<BreakSearch, Error> {
+) -> Result<SearchResult, Error> {
     let suspects = suspects(advanced, evaluator.coordinates(), rows);
     let samples = advanced.samples();
     follow_up(evaluator, phase_loop, h, &suspects, samples, Some(advanced))
@@ -144,7 +144,7 @@ pub(crate) fn rows_that_may_jump(ensemble: &Ensemble, coordinates: &Coordinates)
     in_parallel(0..ensemble.dof(), 2 * ensemble.samples(), of_dof)
 }
 
-/// The same of one degree of freedom.
+/// [`rows_that_may_jump`] for one degree of freedom.
 pub(crate) fn dof_may_jump(
     ensemble: &Ensemble,
     coordinates: &Coordinates,
@@ -170,17 +170,17 @@ pub(crate) fn follow_up(
     suspects: &[Suspect],
     samples: usize,
     known: Option<&Ensemble>,
-) -> Result<BreakSearch, Error> {
+) -> Result<SearchResult, Error> {
     for suspect in suspects {
         if evaluator.count().left() < limits::MAX_EVALUATIONS_OF_SUSPECT {
-            return Ok(BreakSearch::Unaffordable);
+            return Ok(SearchResult::Unaffordable);
         }
         let found = follow::follow(evaluator, phase_loop, h, suspect, samples, known)?;
-        if found != BreakSearch::Clean {
+        if found != SearchResult::Clean {
             return Ok(found);
         }
     }
-    Ok(BreakSearch::Clean)
+    Ok(SearchResult::Clean)
 }
 
 /// The most suspicious cells of samples in memory, those that stand out most first.
@@ -354,9 +354,9 @@ mod tests {
         evaluator.learn_grain(circle, 256, |c, k| crate::state::coordinate(&states, c)[k]);
         assert!(evaluator.grain().is_some());
         match find_break_with(&evaluator, circle, 0.5, &states).unwrap() {
-            BreakSearch::Found(found) => Some(found),
-            BreakSearch::Clean => None,
-            BreakSearch::Unaffordable => panic!("without a limit"),
+            SearchResult::Found(found) => Some(found),
+            SearchResult::Clean => None,
+            SearchResult::Unaffordable => panic!("without a limit"),
         }
     }
 

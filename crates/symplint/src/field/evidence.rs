@@ -45,7 +45,7 @@ impl fmt::Display for CoordinateName {
 /// Which loop it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum ForceLoop {
+pub enum FieldLoopKind {
     /// A random loop of three Fourier modes around the centre.
     Random,
     /// A small ellipse along two random directions.
@@ -68,7 +68,7 @@ pub enum ForceLoop {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LoopWork {
     /// Which loop it is.
-    pub kind: ForceLoop,
+    pub kind: FieldLoopKind,
     /// Samples that the integral was computed from.
     pub samples: usize,
     /// The integral, in units of force × position.
@@ -187,7 +187,7 @@ impl FieldEvidence {
     /// The largest jump of the power along a random loop, relative to its scale; 0 without jumps.
     pub(super) fn jumps(&self) -> f64 {
         let random = self.loops.iter();
-        let random = random.filter(|work| work.kind == ForceLoop::Random);
+        let random = random.filter(|work| work.kind == FieldLoopKind::Random);
         let jumps = random.filter_map(|work| Some(work.jumps? / work.scale));
         jumps.fold(0.0, f64::max)
     }

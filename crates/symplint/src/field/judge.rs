@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::evidence::{FieldEvidence, FieldKind, ForceLoop, LoopWork};
+use super::evidence::{FieldEvidence, FieldKind, FieldLoopKind, LoopWork};
 use super::limits::{
     ALLOWANCE_OF_ONE_LOOP, MAX_CURL_OVER_JUMPS, MAX_JUMP_OF_SOLVER, MAX_SOLVER_TOLERANCE,
     MIN_DIGITS,
@@ -154,7 +154,7 @@ fn unless_of_solver(evidence: &FieldEvidence, index: usize, otherwise: Certainty
 
 fn judge(evidence: &FieldEvidence) -> (Certainty, Option<f64>) {
     let loops = || evidence.loops.iter().enumerate();
-    let winds = |work: &LoopWork| matches!(work.kind, ForceLoop::Winding { .. });
+    let winds = |work: &LoopWork| matches!(work.kind, FieldLoopKind::Winding { .. });
     let certainty = |work: &LoopWork| work.integral.abs() / work.error();
     let one_position = evidence.kind == FieldKind::Force && evidence.moving == 1;
     // Results that differ for the same state may be anything.
@@ -191,7 +191,7 @@ fn judge(evidence: &FieldEvidence) -> (Certainty, Option<f64>) {
     if differs {
         return (Certainty::Repetitions, None);
     }
-    let contractible = || loops().filter(|(_, work)| work.kind == ForceLoop::Random);
+    let contractible = || loops().filter(|(_, work)| work.kind == FieldLoopKind::Random);
     let enough = |bound: f64| bound <= 10_f64.powf(-MIN_DIGITS);
     let of_periods = around().map(|(_, work)| work.bound()).fold(0.0, f64::max);
     if contractible().all(|(_, work)| work.is_constant) && enough(of_periods) {

@@ -1,6 +1,6 @@
 //! All loops and pairs of a test, within its budget.
 
-use super::evidence::{FieldEvidence, FieldKind, ForceLoop, LoopWork, OmittedPart};
+use super::evidence::{FieldEvidence, FieldKind, FieldLoopKind, LoopWork, OmittedPart};
 use super::integrand::Integrand;
 use super::limits::{
     EVALUATIONS_PER_LOOP, FIRST_SAMPLES, FIRST_SAMPLES_OF_PAIR, MAX_ONE_POSITION_SAMPLES,
@@ -155,7 +155,7 @@ impl Measurement<'_> {
         let limits = self.limits(samples, loops + winding, evidence);
         evidence
             .loops
-            .push(first.finish(ForceLoop::Random, known, limits)?);
+            .push(first.finish(FieldLoopKind::Random, known, limits)?);
         for k in 1..loops {
             if self.left() < FIRST_SAMPLES {
                 break;
@@ -164,7 +164,7 @@ impl Measurement<'_> {
                 let phase_loop = self.random(k, factor)?;
                 let limits = self.limits(samples, loops + winding - k, evidence);
                 let begun = Integration::begin(self.integrand, &phase_loop, FIRST_SAMPLES)?;
-                begun.finish(ForceLoop::Random, known, limits)
+                begun.finish(FieldLoopKind::Random, known, limits)
             };
             let factor = if k % 2 == 1 { self.wide } else { 1.0 };
             let work = match measure(factor) {
@@ -199,7 +199,7 @@ impl Measurement<'_> {
                 ..self.limits(MAX_SAMPLES_OF_DOUBLING, periods.len() - k, evidence)
             };
             let begun = Integration::begin(self.integrand, &phase_loop, FIRST_SAMPLES);
-            let kind = ForceLoop::Winding { dof };
+            let kind = FieldLoopKind::Winding { dof };
             match begun.and_then(|begun| begun.finish(kind, known, limits)) {
                 // On its way around the period an atom may meet others.
                 Err(error) if error.is_of_map() => {
@@ -231,12 +231,12 @@ impl Measurement<'_> {
             };
             let phase_loop = self.random(first + k, factor * self.wide)?;
             let begun = Integration::begin(self.integrand, &phase_loop, FIRST_SAMPLES);
-            let work = match begun.and_then(|begun| begun.finish(ForceLoop::Random, known, limits))
-            {
-                // Far away the force need not exist.
-                Err(error) if error.is_of_map() => continue,
-                found => found?,
-            };
+            let work =
+                match begun.and_then(|begun| begun.finish(FieldLoopKind::Random, known, limits)) {
+                    // Far away the force need not exist.
+                    Err(error) if error.is_of_map() => continue,
+                    found => found?,
+                };
             // Jumps of a loop that is resolved would show.
             shows_jumps &= work.is_resolved || work.samples >= MAX_SOLVER_SAMPLES;
             searched += 1;
@@ -271,7 +271,7 @@ pub(super) fn range(radius: &[f64]) -> (f64, f64) {
 fn damping(evidence: &FieldEvidence) -> Option<(f64, f64)> {
     let random = || {
         let loops = evidence.loops.iter();
-        loops.filter(|work| work.kind == ForceLoop::Random)
+        loops.filter(|work| work.kind == FieldLoopKind::Random)
     };
     if evidence.kind == FieldKind::Force || !random().all(LoopWork::is_clear) {
         return None;

@@ -30,7 +30,7 @@ mod text;
 mod work;
 
 pub use evidence::{
-    CoordinateName, Curl, FieldEvidence, FieldKind, ForceLoop, LoopWork, OmittedPart, WorstPair,
+    CoordinateName, Curl, FieldEvidence, FieldKind, FieldLoopKind, LoopWork, OmittedPart, WorstPair,
 };
 pub use judge::{Certainty, FieldReport, FieldVerdict};
 

@@ -4,7 +4,7 @@
 //! difference quotient it is zero for every gradient at any r. For random u and v the mean of its square is ‖J − Jᵀ‖², and the mean of |J u|²
 //! is ‖J‖² (M. Hutchinson, Commun. Stat. Simul. Comput. 19, 1990): few pairs give λ in any number of degrees of freedom.
 
-use super::evidence::{CoordinateName, Curl, ForceLoop, LoopWork, WorstPair};
+use super::evidence::{CoordinateName, Curl, FieldLoopKind, LoopWork, WorstPair};
 use super::integrand::Integrand;
 use super::limits::{
     FIRST_SAMPLES_OF_PAIR, MAX_COORDINATES_OF_ALL_PAIRS, MAX_SAMPLES_OF_PAIR, PAIR_PART_OF_RADIUS,
@@ -38,7 +38,7 @@ pub(super) struct Pairs<'a> {
 struct Pair {
     point: usize,
     vectors: [Vec<f64>; 2],
-    kind: ForceLoop,
+    kind: FieldLoopKind,
 }
 
 impl Pairs<'_> {
@@ -75,7 +75,7 @@ impl Pairs<'_> {
             point: k,
             vectors: [0, 1]
                 .map(|of| direction(count, self.seed, FIRST_STREAM_OF_PAIRS + 2 * k as u64 + of)),
-            kind: ForceLoop::Directions,
+            kind: FieldLoopKind::Directions,
         };
         (0..RANDOM_PAIRS).map(random).collect()
     }
@@ -89,7 +89,7 @@ impl Pairs<'_> {
         Pair {
             point,
             vectors: [unit(first), unit(second)],
-            kind: ForceLoop::Coordinates {
+            kind: FieldLoopKind::Coordinates {
                 first: self.name(first),
                 second: self.name(second),
             },

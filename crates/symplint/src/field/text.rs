@@ -5,7 +5,7 @@ use std::fmt;
 use serde::ser::SerializeStruct;
 use serde::{Serialize, Serializer};
 
-use super::evidence::{FieldKind, ForceLoop, LoopWork, OmittedPart};
+use super::evidence::{FieldKind, FieldLoopKind, LoopWork, OmittedPart};
 use super::judge::{Certainty, FieldReport, FieldVerdict};
 use crate::signal::SIGNIFICANT;
 use crate::text::{plain_numbers, two_digits};
@@ -62,7 +62,7 @@ impl FieldReport {
                     .filter(|work| {
                         !matches!(
                             work.kind,
-                            ForceLoop::Directions | ForceLoop::Coordinates { .. }
+                            FieldLoopKind::Directions | FieldLoopKind::Coordinates { .. }
                         )
                     })
                     .map(LoopWork::bound)
@@ -291,12 +291,12 @@ impl FieldReport {
 /// `on a random loop`.
 fn place(work: &LoopWork) -> String {
     match work.kind {
-        ForceLoop::Random => "on a random loop".into(),
-        ForceLoop::Directions => "around a small ellipse along two random directions".into(),
-        ForceLoop::Coordinates { first, second } => {
+        FieldLoopKind::Random => "on a random loop".into(),
+        FieldLoopKind::Directions => "around a small ellipse along two random directions".into(),
+        FieldLoopKind::Coordinates { first, second } => {
             format!("around a small circle in the plane of {first} and {second}")
         }
-        ForceLoop::Winding { dof } => format!("around the period of q[{dof}]"),
+        FieldLoopKind::Winding { dof } => format!("around the period of q[{dof}]"),
     }
 }
 
@@ -324,10 +324,12 @@ impl fmt::Display for FieldReport {
         )?;
         for work in &self.evidence.loops {
             let name = match work.kind {
-                ForceLoop::Random => "random".into(),
-                ForceLoop::Directions => "two random directions".into(),
-                ForceLoop::Coordinates { first, second } => format!("plane of {first}, {second}"),
-                ForceLoop::Winding { dof } => format!("around the period of q[{dof}]"),
+                FieldLoopKind::Random => "random".into(),
+                FieldLoopKind::Directions => "two random directions".into(),
+                FieldLoopKind::Coordinates { first, second } => {
+                    format!("plane of {first}, {second}")
+                }
+                FieldLoopKind::Winding { dof } => format!("around the period of q[{dof}]"),
             };
             let mark = match work.integral.abs() > SIGNIFICANT * work.error() {
                 true => " *",

@@ -1,6 +1,6 @@
 //! The loop integral of a force with its error, from as many samples as it needs.
 
-use super::evidence::{ForceLoop, LoopWork};
+use super::evidence::{FieldLoopKind, LoopWork};
 use super::integrand::{Integrand, Moments};
 use super::limits::{BISECTIONS, MAX_ROUNDING_NOISE, MIN_JUMP_OVER_CHANGE, ROUNDINGS_OF_TERMS};
 use super::spectrum::Spectrum;
@@ -99,7 +99,7 @@ impl<'a> Integration<'a> {
     /// Those of the force.
     pub fn finish(
         mut self,
-        kind: ForceLoop,
+        kind: FieldLoopKind,
         known: PowerAccuracy,
         limits: Limits,
     ) -> Result<LoopWork, Error> {
@@ -145,15 +145,15 @@ impl<'a> Integration<'a> {
     }
 
     /// The size of the integral if the force had no gradient in it.
-    fn scale(&self, kind: ForceLoop) -> f64 {
+    fn scale(&self, kind: FieldLoopKind) -> f64 {
         let moments = &self.moments;
         let moving = self.integrand.moving().max(1) as f64;
         match kind {
             // Relative to the work that a force of constant size does around the period.
-            ForceLoop::Winding { .. } => moments.size() * moments.speed(),
-            ForceLoop::Coordinates { .. } => moments.deviation() * moments.speed(),
+            FieldLoopKind::Winding { .. } => moments.size() * moments.speed(),
+            FieldLoopKind::Coordinates { .. } => moments.deviation() * moments.speed(),
             // Of a random loop in n coordinates, one part in √n.
-            ForceLoop::Random | ForceLoop::Directions => {
+            FieldLoopKind::Random | FieldLoopKind::Directions => {
                 moments.deviation() * moments.speed() / moving.sqrt()
             }
         }
@@ -161,7 +161,7 @@ impl<'a> Integration<'a> {
 
     fn work(
         &self,
-        kind: ForceLoop,
+        kind: FieldLoopKind,
         spectrum: &Spectrum,
         noise: f64,
         known: PowerAccuracy,

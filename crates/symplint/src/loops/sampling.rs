@@ -60,11 +60,11 @@ impl Ensemble {
         Ok(ensemble)
     }
 
-    /// Replaces all states by the [samples](Self::sample) of a loop with as many degrees of freedom.
+    /// Replaces all states by the [samples](Self::sample) of a loop with the same number of degrees of freedom.
     ///
     /// # Errors
     /// If the loop is not finite somewhere.
-    pub(crate) fn resample(&mut self, phase_loop: &dyn Loop) -> Result<(), Error> {
+    pub(crate) fn fill_with_samples(&mut self, phase_loop: &dyn Loop) -> Result<(), Error> {
         let samples = self.samples();
         self.put_samples(phase_loop, 0, |k| k as f64 / samples as f64)
     }

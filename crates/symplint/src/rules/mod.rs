@@ -218,12 +218,13 @@ impl LoopIntegral {
         rule: &Rule,
         coordinates: &Coordinates,
     ) -> Result<Self, Error> {
-        let integrated = Self::looking(ensemble, rule, coordinates, |_| ());
+        let integrated = Self::in_coordinates_with(ensemble, rule, coordinates, |_| ());
         integrated.map(|(integral, _)| integral)
     }
 
-    /// The same, and what `look` returns for each degree of freedom: it reads the rows just before they are integrated.
-    pub(crate) fn looking<T: Send>(
+    /// Integrates as [`in_coordinates`](Self::in_coordinates). Also returns the result of `look` for each degree of freedom, which
+    /// reads its rows just before they are integrated.
+    pub(crate) fn in_coordinates_with<T: Send>(
         ensemble: &Ensemble,
         rule: &Rule,
         coordinates: &Coordinates,

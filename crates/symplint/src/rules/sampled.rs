@@ -5,7 +5,7 @@ use multiversion::multiversion;
 use super::{
     Defect, LoopAfterStep, LoopIntegral, LoopIntegrator, Rule, RuleKind, Samples, Subject,
 };
-use crate::breaks::{Break, BreakSearch, dof_may_jump, find_break_in, little_jumps};
+use crate::breaks::{Break, SearchResult, dof_may_jump, find_break_in, little_jumps};
 use crate::error::Error;
 use crate::signal::Extent;
 use crate::state::{Coordinates, Ensemble};
@@ -31,19 +31,20 @@ impl LoopIntegrator for SampledRule {
     ) -> Result<LoopAfterStep, Error> {
         let after = samples.kept();
         let coordinates = subject.coordinates();
-        // A row is looked at and integrated while it is in the cache.
+        // Search and integrate each row while it is in the cache.
         let look = |dof| dof_may_jump(after, coordinates, dof);
-        let (mut integral, rows) = LoopIntegral::looking(after, &self.0, coordinates, look)?;
+        let (mut integral, rows) =
+            LoopIntegral::in_coordinates_with(after, &self.0, coordinates, look)?;
         let Jumps { found, little } = jumps(subject, h, after, &rows)?;
         integral.quadrature_error = match (&found, self.0) {
-            (BreakSearch::Unaffordable, _) => None,
+            (SearchResult::Unaffordable, _) => None,
             // The rule took a jump for a part of the loop: its error is not known.
-            (BreakSearch::Found(found), Rule::FiniteDifference(_))
+            (SearchResult::Found(found), Rule::FiniteDifference(_))
                 if retains(&integral, found, after.samples()) =>
             {
                 None
             }
-            (BreakSearch::Clean, Rule::FiniteDifference(_)) => {
+            (SearchResult::Clean, Rule::FiniteDifference(_)) => {
                 cross_checked(subject, after, &integral)?
             }
             _ => integral.quadrature_error,
@@ -58,15 +59,15 @@ fn advanced(
     after: &Ensemble,
     initial: &LoopIntegral,
     integral: LoopIntegral,
-    found: BreakSearch,
+    found: SearchResult,
 ) -> Result<LoopAfterStep, Error> {
     Ok(LoopAfterStep {
         defect: Defect::between(initial, &integral)?,
         regularity: integral.regularity,
         integral,
         breaks: match found {
-            BreakSearch::Found(found) => vec![found],
-            BreakSearch::Clean | BreakSearch::Unaffordable => Vec::new(),
+            SearchResult::Found(found) => vec![found],
+            SearchResult::Clean | SearchResult::Unaffordable => Vec::new(),
         },
         closed: None,
         samples: after.samples(),
@@ -90,7 +91,7 @@ fn cross_checked(
 /// What advanced samples lead to.
 pub(super) struct Jumps {
     /// A break of more than rounding.
-    pub found: BreakSearch,
+    pub found: SearchResult,
     /// What jumps contribute at most that are less than that.
     pub little: f64,
 }
@@ -104,14 +105,14 @@ pub(super) fn jumps(
 ) -> Result<Jumps, Error> {
     let (evaluator, phase_loop) = (subject.evaluator, subject.phase_loop);
     let found = match find_break_in(evaluator, phase_loop, h, after, rows)? {
-        BreakSearch::Found(found) if !found.is_substantial(ranges_of(after, found.dof)) => {
-            BreakSearch::Clean
+        SearchResult::Found(found) if !found.is_substantial(ranges_of(after, found.dof)) => {
+            SearchResult::Clean
         }
         found => found,
     };
     let little = match found {
-        BreakSearch::Clean => little_jumps(after, subject.coordinates(), &[], rows),
-        BreakSearch::Found(_) | BreakSearch::Unaffordable => 0.0,
+        SearchResult::Clean => little_jumps(after, subject.coordinates(), &[], rows),
+        SearchResult::Found(_) | SearchResult::Unaffordable => 0.0,
     };
     Ok(Jumps { found, little })
 }

@@ -26,7 +26,7 @@ pub fn with_buffer<R>(len: usize, work: impl FnOnce(&mut [f64]) -> R) -> R {
 fn lend(len: usize) -> Vec<f64> {
     let mut buffer = IDLE.with_borrow_mut(Vec::pop).unwrap_or_default();
     if buffer.len() < len {
-        // No larger than its length says, which decides whether it is kept.
+        // Allocate exactly `len`: `keep` compares the length with the limit.
         buffer.reserve_exact(len - buffer.len());
         buffer.resize(len, 0.0);
     }

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use symplint::field::{
-    Certainty, FieldRadius, FieldReport, FieldTest, FieldVerdict, ForceLoop, check_field,
+    Certainty, FieldLoopKind, FieldRadius, FieldReport, FieldTest, FieldVerdict, check_field,
     check_force,
 };
 use symplint::{Coordinates, Error, PerSample, TimeAdvance};
@@ -179,7 +179,7 @@ fn a_constant_force_on_a_ring_has_no_potential() {
     assert_eq!(report.verdict, FieldVerdict::NotAGradient);
     assert!(matches!(report.certainty, Certainty::WorkAroundPeriod(_)));
     let around = report.evidence.loops.iter();
-    let around = around.filter(|work| work.kind == ForceLoop::Winding { dof: 0 });
+    let around = around.filter(|work| work.kind == FieldLoopKind::Winding { dof: 0 });
     let work: Vec<f64> = around.map(|work| work.integral).collect();
     assert!((work[0] - 0.1 * TAU).abs() < 1e-13);
     let report = on_ring(0.0).unwrap();

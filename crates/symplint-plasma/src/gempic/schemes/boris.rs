@@ -121,7 +121,7 @@ impl<const N: usize> BorisPart<N> {
             let (x, v1, v2) = (state.x[a], state.v1[a], state.v2[a]);
             let way = h * v1;
             let passable = coupling.check_way(x, way);
-            passable.map_err(|impassable| format!("particle {a} {impassable}"))?;
+            passable.map_err(|failure| format!("particle {a} {failure}"))?;
             along(
                 coupling,
                 !self.scheme.deposits_directly,

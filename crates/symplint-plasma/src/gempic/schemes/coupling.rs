@@ -31,21 +31,21 @@ pub(super) struct Splines<const N: usize> {
 
 /// Why the cells on a way cannot be gone through one by one.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum PathObstacle {
+pub(super) enum PathFailure {
     /// There are too many of them.
     TooLong { way: f64, cells: f64 },
     /// A place on it is rounded to more than a cell.
     Unresolved { place: f64, rounding_in_cells: f64 },
 }
 
-impl fmt::Display for PathObstacle {
+impl fmt::Display for PathFailure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            PathObstacle::TooLong { way, cells } => write!(
+            PathFailure::TooLong { way, cells } => write!(
                 f,
                 "moves by {way:.1e} in one step, {cells:.1e} cells; take a smaller step size"
             ),
-            PathObstacle::Unresolved {
+            PathFailure::Unresolved {
                 place,
                 rounding_in_cells,
             } => write!(
@@ -82,19 +82,19 @@ impl<const N: usize> Coupling<N> {
     }
 
     /// Whether the cells on the way from x to x + `way` can be gone through one by one.
-    pub(super) fn check_way(&self, x: f64, way: f64) -> Result<(), PathObstacle> {
+    pub(super) fn check_way(&self, x: f64, way: f64) -> Result<(), PathFailure> {
         /// A step that resolves anything passes a few.
         const MAX_CELLS: f64 = 1e5;
         let cells = (way * self.per_length()).abs();
         if cells > MAX_CELLS || way.is_nan() {
-            return Err(PathObstacle::TooLong { way, cells });
+            return Err(PathFailure::TooLong { way, cells });
         }
         let end = x + way;
         let place = if end.abs() > x.abs() { end } else { x };
         let rounding_in_cells = f64::EPSILON * place.abs() * self.per_length();
         // From here on numbers of cells are not told from their neighbours.
         if rounding_in_cells >= 1.0 || place.is_nan() {
-            return Err(PathObstacle::Unresolved {
+            return Err(PathFailure::Unresolved {
                 place,
                 rounding_in_cells,
             });

@@ -27,7 +27,7 @@ pub(super) struct MeanFieldStep<const N: usize> {
 }
 
 /// The motion of the particles in a step.
-struct ParticleMotion {
+struct PushResult {
     positions: Vec<[f64; 2]>,
     velocities: Vec<[f64; 2]>,
     /// Mean velocities of the last sub-step: where the next iteration begins.
@@ -62,10 +62,10 @@ impl<const N: usize> MeanFieldStep<N> {
         h: f64,
         state: &PhysicalState,
         fields: &MeanFields<'_>,
-        guess: Option<&ParticleMotion>,
-    ) -> Result<ParticleMotion, String> {
+        guess: Option<&PushResult>,
+    ) -> Result<PushResult, String> {
         let (cells, particles) = (self.coupling.cells(), state.x.len());
-        let mut pushed = ParticleMotion {
+        let mut pushed = PushResult {
             positions: Vec::with_capacity(particles),
             velocities: Vec::with_capacity(particles),
             means: Vec::with_capacity(particles),
@@ -88,7 +88,7 @@ impl<const N: usize> MeanFieldStep<N> {
         (a, mut guess): (usize, [f64; 2]),
         state: &PhysicalState,
         fields: &MeanFields<'_>,
-        pushed: &mut ParticleMotion,
+        pushed: &mut PushResult,
     ) -> Result<(), String> {
         let (coupling, gempic) = (&self.coupling, &self.gempic);
         let charge = gempic.charge * gempic.weights[a];
@@ -139,8 +139,8 @@ impl<const N: usize> MeanFieldStep<N> {
 
     fn orbit_failure(&self, particle: usize, unsolved: &OrbitFailure) -> String {
         let iterations = match unsolved {
-            OrbitFailure::PathObstacle(impassable) => {
-                return format!("particle {particle} {impassable}");
+            OrbitFailure::Path(failure) => {
+                return format!("particle {particle} {failure}");
             }
             OrbitFailure::NotConverged(iterations) => iterations,
         };
@@ -160,7 +160,7 @@ impl<const N: usize> MeanFieldStep<N> {
         h: f64,
         state: &PhysicalState,
         curl: &[f64],
-        pushed: &ParticleMotion,
+        pushed: &PushResult,
     ) -> [Vec<f64>; 2] {
         let half = 0.5 * h;
         let (masses, width) = (&self.gempic.masses, self.gempic.width());
@@ -193,11 +193,7 @@ impl<const N: usize> MeanFieldStep<N> {
     }
 
     /// What particles do, and the mean fields that their currents give.
-    fn solve(
-        &self,
-        h: f64,
-        state: &PhysicalState,
-    ) -> Result<(ParticleMotion, [Vec<f64>; 2]), String> {
+    fn solve(&self, h: f64, state: &PhysicalState) -> Result<(PushResult, [Vec<f64>; 2]), String> {
         /// Changes of this part of the state that have not fallen for `PATIENCE` iterations are round-off.
         const ROUNDOFF: f64 = 1e-12;
         const PATIENCE: usize = 3;

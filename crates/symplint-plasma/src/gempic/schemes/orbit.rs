@@ -2,7 +2,7 @@
 
 use std::num::NonZeroUsize;
 
-use super::coupling::{Coupling, PathObstacle};
+use super::coupling::{Coupling, PathFailure};
 
 /// Where on the orbit of a step fields are gathered and currents deposited.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -91,7 +91,7 @@ pub(super) fn mean_velocity(v: [f64; 2], felt: FieldsAtParticle, half_charge: f6
 /// Why an orbit was not found.
 pub(super) enum OrbitFailure {
     /// An iterate cannot be followed through the cells.
-    PathObstacle(PathObstacle),
+    Path(PathFailure),
     /// So many iterations were not enough.
     NotConverged(usize),
 }
@@ -113,9 +113,7 @@ pub(super) fn solve_orbit<const N: usize>(
     let mut least = f64::INFINITY;
     for _ in 0..MAX_ITERATIONS {
         let way = h * mean[0];
-        coupling
-            .check_way(x, way)
-            .map_err(OrbitFailure::PathObstacle)?;
+        coupling.check_way(x, way).map_err(OrbitFailure::Path)?;
         let felt = felt(coupling, is_averaged, fields, x, way);
         let next = mean_velocity(v, felt, half_charge);
         let change = (next[0] - mean[0]).abs();

@@ -28,7 +28,7 @@ enum Fault {
     /// The weights of the last layer are not those of the first one: the force is not a gradient.
     NoGradient,
     /// Momenta are damped by 5%.
-    DampedMap,
+    Damped,
 }
 
 pub fn random(random: &mut Random) -> Network {
@@ -36,7 +36,7 @@ pub fn random(random: &mut Random) -> Network {
     let relu = random.chance(0.5);
     let fault = match random.whole(0, 4) {
         0 if dof > 1 => Fault::NoGradient,
-        1 => Fault::DampedMap,
+        1 => Fault::Damped,
         _ => Fault::None,
     };
     let weights = random.row(WIDTH * dof, -1.0, 1.0);
@@ -66,7 +66,7 @@ pub fn random(random: &mut Random) -> Network {
                 for i in 0..dof {
                     let kicked = p[i] as $float + h as $float * (force[i] - q[i] as $float);
                     let kicked = match fault {
-                        Fault::DampedMap => 0.95 * kicked,
+                        Fault::Damped => 0.95 * kicked,
                         _ => kicked,
                     };
                     p[i] = f64::from(kicked);
@@ -80,7 +80,7 @@ pub fn random(random: &mut Random) -> Network {
     let what = match fault {
         Fault::None => "",
         Fault::NoGradient => ", no gradient",
-        Fault::DampedMap => ", damped",
+        Fault::Damped => ", damped",
     };
     Network {
         label: format!(

@@ -10,7 +10,7 @@ use symplint::{
 use symplint_models::Model;
 use symplint_models::integrators::catalogue::build;
 use symplint_truth::kept;
-use symplint_truth::scaled::ScaledCoordinates;
+use symplint_truth::scaled::ScalingAdapter;
 
 /// The right answer.
 #[derive(Clone, Copy, Debug)]
@@ -197,8 +197,8 @@ impl Case {
         let factors: Vec<f64> = (0..coordinates.dof())
             .map(|i| 2f64.powi(exponent(i)))
             .collect();
-        let map = ScaledCoordinates::new(&*self.map as &dyn TimeAdvance, factors.clone());
-        let phase_loop = ScaledCoordinates::new(&*self.on.phase_loop as &dyn Loop, factors);
+        let map = ScalingAdapter::new(&*self.map as &dyn TimeAdvance, factors.clone());
+        let phase_loop = ScalingAdapter::new(&*self.on.phase_loop as &dyn Loop, factors);
         let other = (self.diagnostic.run(&map, &phase_loop)).map_err(|error| error.to_string())?;
         let digits = [verdict, &other.verdict].map(|verdict| verdict.digits.unwrap_or(0.0));
         match other.verdict.kind == verdict.kind && (digits[0] - digits[1]).abs() < 1.0 {

@@ -16,8 +16,9 @@ pub(in crate::diagnosis) struct InitialSamples<'a> {
 }
 
 struct Ensembles {
-    /// Nothing where it is not kept.
+    /// Kept only up to 64 MiB.
     before: Option<Ensemble>,
+    /// The images of the last step, or larger samples before a step.
     after: Ensemble,
 }
 
@@ -54,7 +55,7 @@ impl<'a> InitialSamples<'a> {
         Ok(self.ensembles.insert(held))
     }
 
-    /// `samples` samples before a step.
+    /// Returns the samples before a step. They replace the images of the last step if memory is kept for one ensemble only.
     ///
     /// # Errors
     /// Those of making them.
@@ -66,7 +67,7 @@ impl<'a> InitialSamples<'a> {
                 ..
             } => Ok(before),
             Ensembles { after: anew, .. } => {
-                anew.resample(phase_loop)?;
+                anew.fill_with_samples(phase_loop)?;
                 Ok(anew)
             }
         }

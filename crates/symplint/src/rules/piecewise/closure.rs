@@ -19,7 +19,7 @@ pub(super) struct Chord {
 }
 
 /// What closes the breaks.
-pub(super) struct BreakSegments {
+pub(super) struct ClosingChords {
     /// The segments that are straight after the whole step; the others are curves of the refinement.
     pub chords: Vec<Chord>,
     /// See [`PiecewiseIntegral::bend`](super::PiecewiseIntegral::bend).
@@ -30,7 +30,7 @@ pub(super) struct BreakSegments {
 pub(super) fn close(
     refinement: &mut Refinement<'_>,
     closure: Closure,
-) -> Result<BreakSegments, Error> {
+) -> Result<ClosingChords, Error> {
     let substeps = refinement.curves.evaluator.substeps();
     // On a manifold a segment is put onto it and integrated as a curve, beyond the last substep, too.
     let straight = refinement.curves.evaluator.constraint().is_none();
@@ -75,7 +75,7 @@ pub(super) fn close(
         }
         closed = refinement.breaks.len();
     }
-    Ok(BreakSegments { chords, bend })
+    Ok(ClosingChords { chords, bend })
 }
 
 /// The first stage at which the two sides of a break are apart.

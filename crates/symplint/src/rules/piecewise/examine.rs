@@ -23,7 +23,7 @@ use super::stage_states::{StageStates, Tile, tiles};
 use crate::state::{Coordinates, Ensemble};
 
 /// The kind of a piece.
-pub(super) enum PieceFinding {
+pub(super) enum PieceKind {
     /// Its interpolants are as good as wanted, if the states at turning points of positions agree.
     Smooth(TurningPoints),
     /// They are not, and it is too short to be cut.
@@ -117,7 +117,7 @@ impl<'a> View<'a> {
 
     /// Looks at the piece with all its fits. `None` if interpolants below the full degree are not as good as wanted: those of a higher
     /// degree may be.
-    pub fn look(mut self) -> Option<(Self, PieceFinding)> {
+    pub fn look(mut self) -> Option<(Self, PieceKind)> {
         let (dof, last) = (self.dof(), self.last_stage());
         let mut are_good = true;
         let mut tile = Tile::default();
@@ -168,16 +168,16 @@ impl<'a> View<'a> {
     }
 
     /// The kind of the piece; `None` if a sample is not on an interpolant below the full degree.
-    fn examine(&self, are_good: bool) -> Option<PieceFinding> {
+    fn examine(&self, are_good: bool) -> Option<PieceKind> {
         let missed = if are_good { missed_sample(self) } else { None };
         if are_good && missed.is_none() {
-            return Some(PieceFinding::Smooth(self.turning_points()));
+            return Some(PieceKind::Smooth(self.turning_points()));
         }
         if self.piece.level < FULL_LEVEL {
             return None;
         }
         if self.piece.is_short() {
-            return Some(PieceFinding::TooShort);
+            return Some(PieceKind::TooShort);
         }
         let at = match missed {
             Some(at) => vec![at],
@@ -185,7 +185,7 @@ impl<'a> View<'a> {
         };
         Some(match at.is_empty() {
             true => self.seek_break(),
-            false => PieceFinding::Cut {
+            false => PieceKind::Cut {
                 at,
                 why: CutReason::Explained,
             },
@@ -314,8 +314,8 @@ impl<'a> View<'a> {
     }
 
     /// The gap between two nodes in which one break explains the coefficients best.
-    fn seek_break(&self) -> PieceFinding {
-        let in_the_middle = |why: CutReason| PieceFinding::Cut {
+    fn seek_break(&self) -> PieceKind {
+        let in_the_middle = |why: CutReason| PieceKind::Cut {
             at: Vec::new(),
             why,
         };
@@ -341,13 +341,13 @@ impl<'a> View<'a> {
             .map(|fit| LOBATTO.gaps[best].jump(&fit.coefficients))
             .collect();
         if let Some(ends) = self.kink(best, &steps, (all - most).max(0.0)) {
-            return PieceFinding::Cut {
+            return PieceKind::Cut {
                 at: ends.map(|x| self.piece.s(x)).into(),
                 why: CutReason::Explained,
             };
         }
         match self.jump(best, &steps) {
-            Some(jump) => PieceFinding::Jump(Box::new(jump)),
+            Some(jump) => PieceKind::Jump(Box::new(jump)),
             None => in_the_middle(CutReason::Unexplained),
         }
     }

@@ -1,7 +1,7 @@
 //! The piecewise rule in a diagnosis: pieces in addition to equispaced samples, which show what pieces may miss.
 
 use super::{Closure, Piecewise, PiecewiseIntegral};
-use crate::breaks::{BreakSearch, little_jumps, rows_that_may_jump};
+use crate::breaks::{SearchResult, little_jumps, rows_that_may_jump};
 use crate::error::Error;
 use crate::map::{Capabilities, EvaluationCount, Evaluator, StepFailure, TimeAdvance};
 use crate::rules::sampled::{cells_apart, jumps, ranges_of};
@@ -67,10 +67,10 @@ impl LoopIntegrator for Piecewise {
         if breaks.is_empty() {
             let search = jumps(subject, h, after, &rows)?;
             little = little.max(search.little);
-            if search.found != BreakSearch::Clean {
+            if search.found != SearchResult::Clean {
                 (integral.quadrature_error, closed.quadrature_error) = (None, None);
             }
-            if let BreakSearch::Found(found) = search.found {
+            if let SearchResult::Found(found) = search.found {
                 breaks.push(found);
             }
         }

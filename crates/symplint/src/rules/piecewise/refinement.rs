@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::curves::{CurvePoint, Curves, PointImage};
-use super::examine::{CutReason, PieceFinding, TurningPoints, View};
+use super::examine::{CutReason, PieceKind, TurningPoints, View};
 use super::jump::{Judgement, Jump};
 use super::limits::{
     MARGIN_BETWEEN_POINTS, MARGIN_OF_NOISE, MAX_JUMP_OF_GRID, MAX_LENGTH_OF_NOISE, MAX_NOISE,
@@ -405,7 +405,7 @@ impl<'a> Refinement<'a> {
             return Outcome::then(vec![Task::Look(next)], FinishedPiece::Piece(piece));
         };
         match finding {
-            PieceFinding::Smooth(turning) => {
+            PieceKind::Smooth(turning) => {
                 let smooth = view.integrate(true);
                 if turning.expected.is_empty() {
                     return Outcome::done(smooth);
@@ -414,11 +414,11 @@ impl<'a> Refinement<'a> {
                 let task = Task::CheckTurningPoints(piece, Box::new(smooth), turning);
                 Outcome::then(vec![task], unchanged)
             }
-            PieceFinding::TooShort => Outcome::done(view.integrate(false)),
-            PieceFinding::Jump(jump) => {
+            PieceKind::TooShort => Outcome::done(view.integrate(false)),
+            PieceKind::Jump(jump) => {
                 Outcome::then(vec![Task::Halve(jump)], FinishedPiece::Piece(piece))
             }
-            PieceFinding::Cut { at, why } => {
+            PieceKind::Cut { at, why } => {
                 let noisy = why != CutReason::Explained && piece.length() < MAX_LENGTH_OF_NOISE;
                 if noisy && self.noise_known && why == CutReason::Unexplained {
                     let task = Task::EstimateNoise(piece.clone());

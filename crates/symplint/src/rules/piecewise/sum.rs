@@ -1,7 +1,7 @@
 //! The integral from its parts.
 
 use super::PiecewiseIntegral;
-use super::closure::BreakSegments;
+use super::closure::ClosingChords;
 use super::limits::{
     ERROR_OVER_ESTIMATE, MAX_DISTANCE_OF_NEIGHBOURS, MIN_BREAK_OVER_NOISE, SAMPLES_PER_ESTIMATE,
 };
@@ -16,7 +16,7 @@ use crate::signal::{CompensatedSum, UNIT_ROUNDOFF, nearest};
 /// Adds up pieces and chords, in the order of the loop.
 pub(super) fn sum(
     refinement: &Refinement<'_>,
-    closed: &BreakSegments,
+    closed: &ClosingChords,
     break_uncertainty: f64,
 ) -> Result<PiecewiseIntegral, Error> {
     let mut smooth: Vec<&SmoothPiece> = refinement.smooth.iter().collect();
@@ -127,7 +127,7 @@ impl Integrals {
     /// the positions return but for the breaks and whole periods.
     fn of(
         refinement: &Refinement<'_>,
-        closed: &BreakSegments,
+        closed: &ClosingChords,
         (pieces, segments): (&[&SmoothPiece], &[&SmoothPiece]),
     ) -> Self {
         let (coordinates, scales) = (refinement.coordinates, &refinement.scales);

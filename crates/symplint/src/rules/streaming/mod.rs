@@ -8,7 +8,7 @@
 mod row;
 mod window;
 
-use crate::breaks::{Break, BreakSearch, REACH, Suspect, follow_up, most_outstanding};
+use crate::breaks::{Break, REACH, SearchResult, Suspect, follow_up, most_outstanding};
 use crate::error::Error;
 use crate::loops::Loop;
 use crate::map::{EvaluationCount, Evaluator, TimeAdvance};
@@ -132,12 +132,12 @@ impl Streaming {
             ranges.any(|(_, &ranges)| found.is_substantial(ranges))
         };
         let mut integral = revolution.integral;
-        if found == BreakSearch::Unaffordable {
+        if found == SearchResult::Unaffordable {
             integral.quadrature_error = None;
         }
         let found = match found {
-            BreakSearch::Found(found) => Some(found).filter(is_substantial),
-            BreakSearch::Clean | BreakSearch::Unaffordable => None,
+            SearchResult::Found(found) => Some(found).filter(is_substantial),
+            SearchResult::Clean | SearchResult::Unaffordable => None,
         };
         Ok(StreamingIntegral {
             found,

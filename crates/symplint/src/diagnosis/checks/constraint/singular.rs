@@ -278,7 +278,7 @@ impl Columns {
         let n = form.nrows();
         let errors = {
             let (q, p) = (q.abs().transpose(), p.abs());
-            // Of the differences, and of the sums of n products.
+            // Errors of the differences, and rounding errors of the sums of n products.
             let half = of_q.transpose() * &p + &q * of_p + q * p * (n as f64 * UNIT_ROUNDOFF);
             &half + half.transpose()
         };
@@ -335,8 +335,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_rounding_of_an_exact_projection_is_no_form() {
-        // Onto a line, on which every two-form is 0.
+    fn the_form_on_a_line_has_rank_0_despite_rounding() {
+        // Every two-form is 0 on a line.
         const N: usize = 7;
         let entry = |i: usize, j: usize| (1.0 + i as f64 + 0.3 * (j * j) as f64).sin();
         let line = DMatrix::from_fn(N, 1, |i, _| entry(i, 2)).normalize();
