@@ -212,6 +212,9 @@ class Page:
         if language == "text":
             return self.text(settings)
         self.output = None
+        is_bench = settings.get("run") == "benches"
+        if settings.get("run") == "no" or (is_bench and not BENCHES):
+            return None
         if self.skips(settings.get("needs"), (body.splitlines() or [settings.get("source", "")])[0]):
             return None
         if source := settings.get("source"):
@@ -222,9 +225,6 @@ class Page:
             path = self.folder / file
             path.parent.mkdir(parents=True, exist_ok=True)
             path.write_text(body, encoding="utf-8")
-            return None
-        is_bench = settings.get("run") == "benches"
-        if settings.get("run") == "no" or (is_bench and not BENCHES):
             return None
         folder = REPOSITORY if is_bench else self.folder
         if language == "sh":
