@@ -7,6 +7,7 @@ mod extent;
 mod largest;
 mod lattice;
 pub(crate) mod noise;
+mod prefetch;
 mod random;
 mod richardson;
 mod unwrap;
@@ -19,6 +20,7 @@ pub(crate) use digits::{
 pub(crate) use extent::Extent;
 pub(crate) use largest::largest;
 pub(crate) use lattice::Levels;
+pub(crate) use prefetch::prefetch_next_row;
 pub(crate) use random::{GOLDEN_RATIO, parameter, parameters, unit};
 pub(crate) use richardson::extrapolate;
 pub use unwrap::unwrap_row;

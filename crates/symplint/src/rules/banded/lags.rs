@@ -5,6 +5,7 @@ use std::ops::Range;
 use multiversion::multiversion;
 
 use super::{LANES, round_end};
+use crate::signal::prefetch_next_row;
 
 /// Lags that are summed in one pass: half of those of the highest order. They keep their sums in registers.
 pub(super) const LAGS: usize = 5;
@@ -45,14 +46,17 @@ pub(super) fn add_lags(q: &[f64], p: &[f64], done: usize, sums: &mut [f64; REACH
 fn lag_sums(q: &[f64], p: &[f64], range: Range<usize>, done: usize, reference: f64) -> [f64; LAGS] {
     let (from, to) = (range.start, range.end);
     let mut sums = [[0.0; LANES]; LAGS];
-    let p = p[from..to].as_chunks::<LANES>().0;
+    let groups = p[from..to].as_chunks::<LANES>().0;
     let shifted = |start: usize| q[start..start + to - from].as_chunks::<LANES>().0;
     let ahead: [_; LAGS] = std::array::from_fn(|k| shifted(from + done + k + 1));
     let behind: [_; LAGS] = std::array::from_fn(|k| shifted(from - done - k - 1));
-    for (group, p) in p.iter().enumerate() {
+    for (group, values) in groups.iter().enumerate() {
+        // These rows are in the cache: fetch the next ones meanwhile.
+        prefetch_next_row(q, from + group * LANES);
+        prefetch_next_row(p, from + group * LANES);
         let mut centred = [0.0; LANES];
         for lane in 0..LANES {
-            centred[lane] = p[lane] - reference;
+            centred[lane] = values[lane] - reference;
         }
         for k in 0..LAGS {
             let (ahead, behind) = (&ahead[k][group], &behind[k][group]);
