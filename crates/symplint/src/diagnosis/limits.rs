@@ -35,10 +35,6 @@ pub(super) const MAX_DOF_OF_BLOCKS: usize = 200;
 /// A second step size of the Jacobian may take one in this number of the evaluations made so far.
 pub(super) const DIVISOR_OF_DECAY: usize = 15;
 
-/// A defect of the Jacobian that is expected to be this many times the smallest one that its method attributes to a map is
-/// known to a few per cent.
-pub(super) const MIN_DEFECT_OVER_METHOD: f64 = 100.0;
-
 /// The first samples of all loops and step sizes take one in this number of evaluations of the budget.
 pub(super) const DIVISOR_OF_FIRST_SAMPLES: usize = 3;
 
@@ -111,9 +107,6 @@ pub(super) const MAX_EXPONENT_OF_KINKS: f64 = 4.5;
 
 /// Exponents from N and 2N samples that differ by less are taken for one.
 pub(super) const MAX_DIFFERENCE_OF_EXPONENTS: f64 = 0.1;
-
-/// An expected error this many times the wanted one is reason to leave equispaced samples early: one digit.
-pub(super) const MAX_ERROR_OVER_WANTED: f64 = 10.0;
 
 /// Coordinates that the piecewise rule may have the map advance for one loop integral, if the user did not choose that
 /// rule.

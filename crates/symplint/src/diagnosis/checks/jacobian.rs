@@ -3,7 +3,6 @@
 use super::{GivenLoop, Runner, failed};
 use crate::diagnosis::limits::{
     DIVISOR_OF_BLOCKS, DIVISOR_OF_DECAY, DIVISOR_OF_LARGE_JACOBIAN, MAX_DOF_OF_BLOCKS,
-    MIN_DEFECT_OVER_METHOD,
 };
 use crate::error::Error;
 use crate::evidence::{
@@ -13,7 +12,7 @@ use crate::jacobian::{DefectBlocks, JacobianDecay, JacobianEvidence, JacobianTes
 use crate::loops::FEW_SAMPLES;
 use crate::map::LoopSize;
 use crate::rules::Subject;
-use crate::signal::parameters;
+use crate::signal::{CERTAIN, parameters};
 
 impl Runner<'_> {
     /// The Jacobian of the largest step, on the given loop.
@@ -132,7 +131,7 @@ impl Runner<'_> {
             let fallen = move |(h, defect)| (h, worst.magnitude() * defect / at_largest);
             steps.into_iter().map(fallen)
         });
-        let least = MIN_DEFECT_OVER_METHOD * found.method.least_defect();
+        let least = CERTAIN * found.method.least_defect();
         let size_of = |a: &f64, b: &f64| a.abs().total_cmp(&b.abs());
         let h = match has_order {
             true => expected

@@ -7,9 +7,8 @@ pub(in crate::diagnosis) mod probe;
 pub(in crate::diagnosis) mod refined_samples;
 
 use crate::diagnosis::limits::{
-    MAX_BYTES, MAX_DIFFERENCE_OF_EXPONENTS, MAX_ERROR_OVER_WANTED, MAX_EXPONENT_OF_KINKS,
-    MAX_PIECEWISE_COORDINATES, MAX_STREAMED_COORDINATES, MIN_EXPONENT_OF_KINKS,
-    MIN_PIECEWISE_EVALUATIONS,
+    MAX_BYTES, MAX_DIFFERENCE_OF_EXPONENTS, MAX_EXPONENT_OF_KINKS, MAX_PIECEWISE_COORDINATES,
+    MAX_STREAMED_COORDINATES, MIN_EXPONENT_OF_KINKS, MIN_PIECEWISE_EVALUATIONS,
 };
 use crate::diagnosis::plan::fits;
 use crate::diagnosis::plan::{Plan, power_below};
@@ -192,7 +191,7 @@ impl Diagnostic {
                     _ => Ok(probe),
                 };
             }
-            if auto && pieces.is_none() && expected > MAX_ERROR_OVER_WANTED * standing.wanted {
+            if auto && pieces.is_none() && expected > standing.wanted {
                 pieces = self.tried(subject, refined, with, start)?;
                 match pieces {
                     Some((pieces, of_pieces)) if of_pieces < expected => return Ok(pieces),

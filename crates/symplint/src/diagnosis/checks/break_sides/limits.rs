@@ -16,10 +16,6 @@ pub(super) const MIN_DISTANCE_IN_UNCERTAINTIES: f64 = 8.0;
 /// Distances of further states, which show whether a coordinate is constant. Conventional: three decades.
 pub(super) const DISTANCES: [f64; 4] = [1e-6, 1e-5, 1e-4, 1e-3];
 
-/// A coordinate jumps if its jump, in units of its radius, is this part of the largest one. Conventional: what couples coordinates
-/// through the jump alone is smaller by the step size.
-pub(super) const MIN_JUMP_OVER_LARGEST: f64 = 1e-6;
-
 /// Coordinates that are kept, and as many partners.
 pub(super) const MAX_COORDINATES: usize = 12;
 

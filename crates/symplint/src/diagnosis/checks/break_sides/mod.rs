@@ -5,7 +5,7 @@ mod limits;
 use limits::{
     DISTANCES, FIRST_PART_OF_STEP, MAX_COMPARED_BREAKS, MAX_COORDINATES, MAX_DISTANCE_OVER_JUMP,
     MAX_PART_OF_STEP, MAX_SECANT_TRIALS, MIN_DISTANCE, MIN_DISTANCE_IN_UNCERTAINTIES,
-    MIN_EVALUATIONS_MADE, MIN_JUMP_OVER_LARGEST, MIN_MADE_FOR_FLOW, SUBDIVISIONS,
+    MIN_EVALUATIONS_MADE, MIN_MADE_FOR_FLOW, SUBDIVISIONS,
 };
 
 use super::{GivenLoop, Runner};
@@ -121,11 +121,6 @@ fn look(
         let mut block = low_and_high.block();
         coordinate_mut(&mut block, c).copy_from_slice(&found.after);
         all.push(found);
-    }
-    let scaled = |of: &CoordinateAtBreak| of.jump().abs() / of.radius;
-    let largest = all.iter().map(scaled).fold(0.0, f64::max);
-    for of in &mut all {
-        of.jumps = of.jumps && scaled(of) > MIN_JUMP_OVER_LARGEST * largest;
     }
     let shows = |of: f64, jumps: f64| (of - jumps).abs() <= 0.5 * jumps.abs();
     let [q, p] = [&all[jump.dof], &all[dof + jump.dof]];

@@ -29,25 +29,17 @@ const DOFS_OF_STRETCH: usize = 16;
 /// Stretches. If there are no more degrees of freedom than all of them have, all columns are taken.
 const STRETCHES: usize = 4;
 
-/// A direction that one step shrinks to this part, beyond what the step's expansion of another one explains, is
-/// projected away. A symplectic step shrinks one direction as much as it expands another: their product is 1.
-const MAX_FACTOR_OF_PROJECTION: f64 = 1e-5;
+/// Singular values below this are zero, of a Jacobian in units of the inverse of the largest one: a symplectic step shrinks one direction
+/// as much as it expands another. Those of a form are at least 1e-3 in coordinates of similar action, and the differences have errors
+/// of 1e-9.
+const MAX_ZERO_SINGULAR_VALUE: f64 = 1e-5;
 
-/// Differences whose errors are larger than this part do not show it.
+/// Differences and ranks whose errors are larger than this part of the largest singular value show nothing. The trace of the derivative
+/// of a projection is the dimension of its manifold, up to this error.
 const MAX_RELATIVE_ERROR: f64 = 0.05;
-
-/// Singular values below this part of the largest one are zero. Those of a form are at least 1e-3 in coordinates of similar
-/// action, and the differences have errors of 1e-9.
-const MAX_ZERO_SINGULAR_VALUE: f64 = 1e-6;
-
-/// The largest error of a rank that counts, as a part of the largest singular value.
-const MAX_ERROR_OF_RANK: f64 = 1e-2;
 
 /// The most coordinates of a one-form whose rank is tested: the matrix has this size.
 const MAX_COORDINATES: usize = 512;
-
-/// The trace of the derivative of a projection is the dimension of its manifold, up to this error.
-const MAX_ERROR_OF_TRACE: f64 = 0.1;
 
 /// Repetitions of a scaling by the largest entries of rows, of which each halves the logarithms of their ratios.
 const SCALING_ROUNDS: usize = 40;
@@ -225,7 +217,7 @@ impl Columns {
             [squares.min(), squares.max()].map(|square| square.max(0.0).sqrt());
         let error = self.errors.norm();
         let resolved = error * largest <= MAX_RELATIVE_ERROR;
-        let zero = (MAX_FACTOR_OF_PROJECTION / largest).max(SAFETY * error);
+        let zero = (MAX_ZERO_SINGULAR_VALUE / largest).max(SAFETY * error);
         // Of numbers that are not finite nothing is true.
         (resolved && smallest <= zero).then(|| SingularJacobian {
             s,
@@ -252,7 +244,7 @@ impl Columns {
         // An error of the image, and as much of its conjugate.
         let tolerance = MAX_ZERO_SINGULAR_VALUE.max(2.0 * SAFETY * error / least);
         let rank = kept.len();
-        if rank == 0 || tolerance > MAX_ERROR_OF_RANK {
+        if rank == 0 || tolerance > MAX_RELATIVE_ERROR {
             return None;
         }
         let image = squares.eigenvectors.select_columns(&kept);
@@ -271,7 +263,7 @@ impl Columns {
         let (of_q, of_p) = halves(&self.errors);
         // A projection is idempotent on its manifold.
         let dimension = q.trace().round();
-        if !((q.trace() - dimension).abs() <= MAX_ERROR_OF_TRACE && dimension >= 1.0) {
+        if !((q.trace() - dimension).abs() <= MAX_RELATIVE_ERROR && dimension >= 1.0) {
             return None;
         }
         let form = q.transpose() * &p - p.transpose() * &q;
@@ -307,7 +299,7 @@ impl Columns {
         let sizes = singular_values(&scaled(&form));
         let largest = sizes.iter().copied().fold(0.0, f64::max);
         let tolerance = (MAX_ZERO_SINGULAR_VALUE * largest).max(SAFETY * scaled(&errors).norm());
-        let resolved = largest == 0.0 || tolerance <= MAX_ERROR_OF_RANK * largest;
+        let resolved = largest == 0.0 || tolerance <= MAX_RELATIVE_ERROR * largest;
         resolved.then(|| Rank {
             rank: sizes.iter().filter(|&&size| size > tolerance).count(),
             of: dimension as usize,

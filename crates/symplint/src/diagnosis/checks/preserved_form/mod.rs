@@ -11,7 +11,7 @@ mod rounded;
 use fit::{Entry, FormFit, Term};
 use limits::{
     DOFS_OF_FIELD, EXTRA_VECTORS, MAX_DOF_OF_ALL_FORMS, MAX_DOF_OF_WEIGHTS, MAX_EVALUATIONS,
-    MAX_JACOBIAN_ERROR, MAX_RELATIVE_ERROR, MAX_SAMPLES, SEED_OF_REFINING, STATES,
+    MAX_RELATIVE_ERROR, MAX_SAMPLES, SEED_OF_REFINING, STATES,
 };
 use on_loops::AdvancedLoop;
 
@@ -122,17 +122,12 @@ impl Runner<'_> {
         of_fit: &[Entry],
     ) -> Result<Option<Vec<FormEntry>>, Error> {
         let (dof, size) = (subject.dof(), given.size.radius.concat());
-        let is_known = |entries: &[FormEntry], error: f64| {
-            entries.iter().all(|entry| entry.relative_error() <= error)
-        };
         let holds = |entries: &[FormEntry]| {
-            is_known(entries, MAX_RELATIVE_ERROR)
+            let mut errors = entries.iter().map(FormEntry::relative_error);
+            errors.all(|error| error <= MAX_RELATIVE_ERROR)
                 && fit::holds(images, dof, &rounded::in_units(entries, &size))
         };
         let exact = rounded::in_coordinates(of_fit, &size);
-        if !is_known(&exact, MAX_JACOBIAN_ERROR) {
-            return Ok(None);
-        }
         let chosen = rounded::rounded(&exact, dof, None);
         let entries = match uncertain_part(&chosen) > f64::EPSILON {
             true => self.refined(subject, given, &exact)?.unwrap_or(chosen),
