@@ -32,9 +32,10 @@ def alternate(works):
 
 
 def defects_of(steps, x, v):
-    settings = {"radius": 1.0, "phases": "equal", "samples": SAMPLES, "rule": "pseudospectral", "step_sizes": STEP_SIZES}
+    settings = {"radius": 1.0, "phases": "equal", "samples": SAMPLES, "rule": "pseudospectral", "step_sizes": STEP_SIZES, "budget": 100_000}
     nothing_else = {"loops": 1, "jacobian": False, "properties": False, "localise": False}
     reports = [symplint.check(step, x, v, threads=1, **settings, **nothing_else) for step in steps]
+    assert all(len(report.points) == len(STEP_SIZES) for report in reports)
     return [abs(report.points["signed_defect"][0]) for report in reports]
 
 
