@@ -6,11 +6,8 @@ use super::directions::Directions;
 use super::richardson::{self, LEVELS};
 use super::sampler::Sampler;
 use crate::error::Error;
-use crate::signal::nearest;
+use crate::signal::{NEGLIGIBLE, nearest};
 use crate::state::{Block, Ensemble, coordinate, coordinate_mut};
-
-/// A unit vector of which no more than this is left in addition to those that are taken already depends on them: differences have errors.
-const MAX_DEPENDENT_PART: f64 = 1e-3;
 
 impl Sampler<'_> {
     /// Columns along these directions at a point; if the map acts on a manifold, along tangent vectors of it: a basis
@@ -67,9 +64,10 @@ impl Sampler<'_> {
         let of_units: Vec<f64> = left.iter().map(norm).collect();
         let largest = of_units.into_iter().fold(0.0, f64::max);
         let mut basis: Vec<Derivative> = Vec::new();
+        // What is left of a vector that depends on the others is their error.
         while let Some(pivot) = (0..left.len())
             .max_by(|&a, &b| norm(&left[a]).total_cmp(&norm(&left[b])))
-            .filter(|&pivot| norm(&left[pivot]) > MAX_DEPENDENT_PART * largest)
+            .filter(|&pivot| norm(&left[pivot]) > NEGLIGIBLE * largest)
         {
             let taken = left.swap_remove(pivot);
             let squared = norm(&taken).powi(2);

@@ -7,7 +7,7 @@
 use crate::breaks::rounding;
 use crate::error::Error;
 use crate::rules::LoopIntegral;
-use crate::signal::{CompensatedSum, Extent, UNIT_ROUNDOFF, unwrap_row};
+use crate::signal::{CompensatedSum, Extent, SIGNIFICANT, UNIT_ROUNDOFF, unwrap_row};
 use crate::state::{Coordinates, Ensemble, coordinate, in_parallel, period};
 
 /// Rows through which a polynomial is laid, half of them on each side of a cell. The first order is for comparison only.
@@ -395,9 +395,6 @@ const MIN_RATIO_AT_JUMP: f64 = 0.35;
 /// A jump is at most this many times as large as the polynomials of order 12 and 10 are apart in a cell next to it. Derived: 190.
 const MAX_JUMP_OVER_DISTANCE: f64 = 200.0;
 
-/// Noise of the rows separates polynomials everywhere, and a jump by this factor more than in most cells. Conventional.
-const MIN_DISTANCE_OVER_MEDIAN: f64 = 10.0;
-
 /// What jumps of one degree of freedom may contribute that rows in any spacing hide, from the distances of polynomials of each order
 /// in each cell, and the momentum there. Their order of convergence shows them.
 fn jumps_between(cells: &[([[f64; 2]; ORDERS.len()], f64)], roundings: [f64; 2]) -> f64 {
@@ -410,8 +407,9 @@ fn jumps_between(cells: &[([[f64; 2]; ORDERS.len()], f64)], roundings: [f64; 2])
     let of_cell = |(at, momentum): &([[f64; 2]; ORDERS.len()], f64)| {
         let [jump_q, jump_p] = [0, 1].map(|c| {
             let distance = at[last][c];
-            let stays = distance > MIN_RATIO_AT_JUMP * at[eight][c]
-                && distance > MIN_DISTANCE_OVER_MEDIAN * medians[c];
+            // Noise of the rows separates polynomials in all cells, a jump in few.
+            let stays =
+                distance > MIN_RATIO_AT_JUMP * at[eight][c] && distance > SIGNIFICANT * medians[c];
             match stays && distance > roundings[c] {
                 true => MAX_JUMP_OVER_DISTANCE * distance,
                 false => 0.0,

@@ -10,7 +10,7 @@ use crate::evidence::{MIN_SAMPLES_OF_SHAPE, Motion, Wrap};
 use crate::map::{Grain, SamplesBefore};
 use crate::rules::Defect;
 use crate::rules::{LoopIntegral, OmittedCell, Rule, RuleKind};
-use crate::signal::{CompensatedSum, Extent, UNIT_ROUNDOFF};
+use crate::signal::{CompensatedSum, Extent, NEGLIGIBLE, UNIT_ROUNDOFF};
 use crate::state::{Coordinates, Ensemble, coordinate, in_parallel};
 use crate::survey::motion;
 
@@ -34,9 +34,6 @@ const MIN_JUMP_OVER_SPACING: f64 = 4.0;
 
 /// Cells on each side of a jump that its confirmation uses.
 const CELLS_BESIDE_JUMP: usize = 10;
-
-/// Gains round a loop that differ by less than this part are one: they are whole numbers of periods, to round-off.
-const MAX_GAIN_SPREAD: f64 = 1e-9;
 
 /// The loop before the step.
 pub(super) struct InitialLoop<'a> {
@@ -382,10 +379,10 @@ impl<'a> InitialLoop<'a> {
             }
             _ => self.across_jumps(after, &rows)?,
         };
-        // No continuous map changes how often a loop winds.
+        // No continuous map changes how often a loop winds. Gains are whole numbers of periods, to round-off.
         let winds = |(row, before): (&Row, &f64)| {
             let change = (row.increments[0].gain - before).abs();
-            change > MAX_GAIN_SPREAD * before.abs().max(row.increments[0].gain.abs())
+            change > NEGLIGIBLE * before.abs().max(row.increments[0].gain.abs())
         };
         if rows.iter().zip(&self.windings).any(winds) {
             compared.integral.quadrature_error = None;

@@ -7,6 +7,7 @@ use super::thresholds::{
     MIN_DEFECT_OVER_UNCERTAINTY, MIN_TREND,
 };
 use crate::evidence::{LoopEvidence, MIN_RANGE_OF_LAW, MIN_STEP_SIZES_OF_LAW, StepEvidence};
+use crate::signal::NEGLIGIBLE;
 
 /// A power law |quantity − constant| ~ against^slope over a range.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -54,10 +55,6 @@ impl Fit {
 
 /// Resolution of exponents.
 const EXPONENT_STEP: f64 = 0.01;
-
-/// Step sizes whose ratios differ by less than this part are a geometric sequence. Conventional: step sizes are often
-/// rounded to a few digits.
-const MAX_RATIO_SPREAD: f64 = 1e-3;
 
 /// One point of the fit: |h|, the signed defect, its uncertainty.
 pub(super) type Datum = (f64, f64, f64);
@@ -173,7 +170,8 @@ fn differences(known: &[Datum]) -> Vec<Datum> {
     let Some(first) = ratios().next() else {
         return Vec::new();
     };
-    if ratios().any(|ratio| (ratio / first - 1.0).abs() > MAX_RATIO_SPREAD) {
+    // Step sizes are often rounded to a few digits.
+    if ratios().any(|ratio| (ratio / first - 1.0).abs() > NEGLIGIBLE) {
         return Vec::new();
     }
     let pairs = known.windows(2);

@@ -84,7 +84,3 @@ pub(super) const MAX_RETURN: f64 = 0.5;
 /// Energies that stay beyond this part of their largest change have drifted away. Conventional: a quarter of an oscillation, whose
 /// second half is above 0.7, has not.
 pub(super) const MIN_DRIFT: f64 = 0.8;
-
-/// Patches of the disc within a loop that are smaller than this part of it are points, and what they alone change no sign
-/// of a defect. Conventional: ten halvings. Defects of methods are spread over the disc.
-pub(super) const MAX_AREA_OF_POINT: f64 = 1e-3;

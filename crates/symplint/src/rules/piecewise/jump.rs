@@ -353,7 +353,7 @@ impl Jump {
     }
 
     /// How far each coordinate jumps.
-    pub fn sizes(&self, coordinates: &Coordinates) -> Vec<f64> {
+    fn sizes(&self, coordinates: &Coordinates) -> Vec<f64> {
         let [low, high] = self.ends().map(PointImage::after);
         let jump = |c: usize| nearest(high[c] - low[c], period(coordinates, c)).abs();
         (0..2 * coordinates.dof()).map(jump).collect()

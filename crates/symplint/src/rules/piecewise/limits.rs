@@ -114,9 +114,6 @@ pub(super) const NOISE_SPACING: f64 = 2e-6;
 /// thousands of times none has breaks at three sites.
 pub(super) const NOISE_SPACING_OF_PIECE: f64 = 2e-5;
 
-/// Where most jumps are noise, a break is this many times the largest of them.
-pub(super) const MIN_BREAK_OVER_NOISE: f64 = 2.0;
-
 /// A jump of this part of the loop's size is not noise. What looks like noise next to it are other breaks, or states in
 /// which rounding decides on which side of a threshold they are.
 pub(super) const MAX_NOISE: f64 = 1e-3;

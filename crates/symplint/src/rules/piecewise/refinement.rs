@@ -31,8 +31,6 @@ pub(super) struct Refinement<'a> {
     /// Tasks that wait until others give back what was granted to them.
     waiting: Vec<Outcome>,
     noise_known: bool,
-    /// Jumps that were noise, and the largest of them in each coordinate.
-    pub noise: (usize, Vec<f64>),
     /// Equispaced samples of the advanced loop, if there are any.
     pub samples: Option<&'a Ensemble>,
 }
@@ -133,7 +131,6 @@ impl<'a> Refinement<'a> {
             budget,
             waiting: Vec::new(),
             noise_known: false,
-            noise: (0, vec![0.0; 2 * coordinates.dof()]),
             samples,
         }
     }
@@ -208,12 +205,6 @@ impl<'a> Refinement<'a> {
         }
         for outcome in outcomes {
             self.budget.granted -= outcome.refund;
-            if let Some(noise) = &outcome.noise {
-                let (count, largest) = &mut self.noise;
-                *count += 1;
-                let each = largest.iter_mut().zip(noise);
-                each.for_each(|(largest, size)| *largest = largest.max(*size));
-            }
             if outcome.next.is_empty() && outcome.found.is_none() {
                 let smooth = outcome.piece.map(|piece| self.integrated(piece));
                 self.smooth.extend(smooth);
@@ -377,7 +368,6 @@ impl<'a> Refinement<'a> {
                     part.noise = Some(allowance.clone());
                 }
                 outcome.noisy = true;
-                outcome.noise = Some(jump.sizes(self.coordinates));
                 parts
             }
         };

@@ -2,9 +2,7 @@
 
 use super::PiecewiseIntegral;
 use super::closure::ClosingChords;
-use super::limits::{
-    ERROR_OVER_ESTIMATE, MAX_DISTANCE_OF_NEIGHBOURS, MIN_BREAK_OVER_NOISE, SAMPLES_PER_ESTIMATE,
-};
+use super::limits::{ERROR_OVER_ESTIMATE, MAX_DISTANCE_OF_NEIGHBOURS, SAMPLES_PER_ESTIMATE};
 use super::piece::SmoothPiece;
 use super::refinement::Refinement;
 use super::under_resolved::{beside_samples, under_resolved};
@@ -202,15 +200,9 @@ impl BreaksOfLoop {
     fn of(refinement: &Refinement<'_>) -> Self {
         let (coordinates, scales) = (refinement.coordinates, &refinement.scales);
         let dof = coordinates.dof();
-        // If more jumps were noise than breaks, those are noise that happened to look like breaks, unless they are larger.
-        let (noises, noise) = &refinement.noise;
-        let is_noisy = *noises > refinement.breaks.len();
         let is_substantial = |found: &Break| {
             let range = |c: usize| 2.0 * scales.size[c];
-            let [q, p] = [found.dof, dof + found.dof];
-            let exceeds = |jump: f64, c: usize| jump.abs() > MIN_BREAK_OVER_NOISE * noise[c];
-            found.is_substantial([range(q), range(p)])
-                && (!is_noisy || exceeds(found.jump_q, q) || exceeds(found.jump_p, p))
+            found.is_substantial([range(found.dof), range(dof + found.dof)])
         };
         let of_loop = || refinement.breaks.iter().filter(|found| found.curve == 0);
         let of_solver = of_loop().any(|found| found.flickers);
@@ -241,9 +233,6 @@ impl BreaksOfLoop {
             }
             one
         });
-        if is_noisy {
-            breaks.retain(is_substantial);
-        }
         BreaksOfLoop {
             is_broken: breaks.iter().any(is_substantial),
             breaks,

@@ -38,8 +38,6 @@ pub(super) struct Outcome {
     pub found: Option<CurveBreak>,
     /// Whether the map may have noise.
     pub noisy: bool,
-    /// The size of each coordinate of a jump that was noise.
-    pub noise: Option<Vec<f64>>,
     /// The evaluations granted that are not needed.
     pub refund: usize,
     /// The piece unchanged: it is done if there is nothing to do next, or no means to.

@@ -15,9 +15,6 @@ use crate::verdict::thresholds::MIN_TREND;
 /// Larger defects are not taken for those of a tolerance. Conventional: the largest that solvers have by default.
 const MAX_TOLERANCE: f64 = 1e-6;
 
-/// Noise can cause changes up to this many times its own size. Conventional.
-const MAX_CHANGE_OVER_NOISE: f64 = 100.0;
-
 impl Clues<'_> {
     /// A coordinate has one value at some samples of the given loop.
     pub(super) fn clipped_on_loop(&self) -> Option<Cause> {
@@ -127,7 +124,7 @@ impl Clues<'_> {
                 "The change, at most {defect}, does not depend on the step size, as errors of a tolerance or of a rounded constant do not. \
                  Errors of a method do."
             ),
-            Some(noise) if largest < MAX_CHANGE_OVER_NOISE * noise => format!(
+            Some(noise) if largest < CERTAIN * noise => format!(
                 "The change, at most {defect}, follows no power of h. The results of neighbouring states scatter by {} of the size of the \
                  loop, which is more than rounding explains. Errors of this size can cause the change, for example in a solver that stops \
                  at a tolerance.",

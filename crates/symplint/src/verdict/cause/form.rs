@@ -5,12 +5,9 @@ use std::collections::BTreeMap;
 
 use super::{Cause, CauseKind, Clues};
 use crate::evidence::{DigitsOfMatrix, FormEntry, FormOnLoop, PreservedForm, uncertain_part};
-use crate::signal::SIGNIFICANT;
+use crate::signal::{CERTAIN, SIGNIFICANT};
 use crate::text::{one_digit, significant, size, two_digits};
 use crate::verdict::advice::Advice;
-
-/// The canonical form changes by more than this many times what the form that was found may change. Conventional.
-const MIN_IMPROVEMENT: f64 = 100.0;
 
 /// Entries of a form that are written out.
 const MAX_ENTRIES: usize = 12;
@@ -205,7 +202,7 @@ impl PreservedForm {
         }
         let bound = self.loops.iter().map(FormOnLoop::bound).reduce(f64::max)?;
         let changes = self.loops.iter().map(|of| of.canonical[0].abs());
-        (changes.fold(0.0, f64::max) > MIN_IMPROVEMENT * bound).then_some(bound)
+        (changes.fold(0.0, f64::max) > CERTAIN * bound).then_some(bound)
     }
 
     /// Whether it is not constant.

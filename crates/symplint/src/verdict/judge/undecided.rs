@@ -6,7 +6,7 @@ use crate::evidence::{
     StepEvidence, defect_of_order_4,
 };
 use crate::rules::RuleKind;
-use crate::signal::SIGNIFICANT;
+use crate::signal::{NEGLIGIBLE, SIGNIFICANT};
 use crate::verdict::VerdictKind;
 use crate::verdict::advice::Advice;
 use crate::verdict::findings::{
@@ -14,8 +14,8 @@ use crate::verdict::findings::{
 };
 use crate::verdict::jacobian::JacobianVerdict;
 use crate::verdict::thresholds::{
-    MAX_AREA_OF_POINT, MAX_DEFORMATION, MAX_SOLVER_TOLERANCE, MAX_STEP_FACTOR,
-    MAX_UNCONFIRMED_DEFECT, MIN_UNBALANCED_RATIO,
+    MAX_DEFORMATION, MAX_SOLVER_TOLERANCE, MAX_STEP_FACTOR, MAX_UNCONFIRMED_DEFECT,
+    MIN_UNBALANCED_RATIO,
 };
 
 /// Evaluations that a check of a smooth map needs, about. Conventional.
@@ -75,7 +75,7 @@ impl Case<'_> {
     /// All of the change sits at one point of the disc within the loop: it need not be a loop that can be contracted.
     pub(super) fn not_contracted(&self) -> Option<Decision> {
         let contraction = self.evidence.contraction?;
-        if contraction.area > MAX_AREA_OF_POINT || self.jacobian_refutes() {
+        if contraction.area > NEGLIGIBLE || self.jacobian_refutes() {
             return None;
         }
         let (found, step) = self.worst(StepEvidence::is_significant)?;

@@ -3,13 +3,12 @@
 use nalgebra::DMatrix;
 
 use super::limits::{
-    MAX_DEGREE, MAX_RELATIVE_ERROR, MAX_ZERO_ENTRY, MIN_ENTRY_NEAR_ONE, MIN_SINGULAR_VALUE,
-    MIN_WIDTH, UNIT_ROUNDS,
+    MAX_DEGREE, MAX_ZERO_ENTRY, MIN_ENTRY_NEAR_ONE, MIN_SINGULAR_VALUE, MIN_WIDTH, UNIT_ROUNDS,
 };
 use super::null_space::{Equations, NullSpace, Solutions};
 use crate::evidence::monomial;
 use crate::jacobian::TangentImages;
-use crate::signal::{GOLDEN_RATIO, SIGNIFICANT};
+use crate::signal::{GOLDEN_RATIO, NEGLIGIBLE, SIGNIFICANT};
 
 /// dz_a∧dz_b, or d(z_a q^m dz_b)/(1 + m_a) with powers m of the first three coordinates, which is closed, too.
 #[derive(Clone, Copy)]
@@ -235,7 +234,7 @@ fn weights(images: &[TangentImages], dof: usize, coordinates: &[usize]) -> FormF
         };
         let Some(groups) = space.groups() else {
             // A weight is 0 in all solutions, to within its error.
-            return match space.errors.iter().all(|error| *error < MAX_RELATIVE_ERROR) {
+            return match space.errors.iter().all(|error| *error < NEGLIGIBLE) {
                 true => FormFit::Degenerate,
                 false => FormFit::Open,
             };

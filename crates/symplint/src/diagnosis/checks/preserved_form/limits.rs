@@ -37,9 +37,6 @@ pub(super) const MIN_ENTRY_NEAR_ONE: f64 = 0.25;
 /// unit in one round.
 pub(super) const MIN_SINGULAR_VALUE: f64 = 1e-6;
 
-/// An entry that is not known to this part of itself is not named. Conventional: three digits.
-pub(super) const MAX_RELATIVE_ERROR: f64 = 1e-3;
-
 /// An entry of a form is 0 if it is at most this many times its error, or this part of the largest one in its units.
 pub(super) const MAX_ZERO_ENTRY: (f64, f64) = (5.0, 1e-9);
 

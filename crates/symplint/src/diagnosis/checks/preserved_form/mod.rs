@@ -11,7 +11,7 @@ mod rounded;
 use fit::{Entry, FormFit, Term};
 use limits::{
     DOFS_OF_FIELD, EXTRA_VECTORS, MAX_DOF_OF_ALL_FORMS, MAX_DOF_OF_WEIGHTS, MAX_EVALUATIONS,
-    MAX_RELATIVE_ERROR, MAX_SAMPLES, SEED_OF_REFINING, STATES,
+    MAX_SAMPLES, SEED_OF_REFINING, STATES,
 };
 use on_loops::AdvancedLoop;
 
@@ -25,7 +25,7 @@ use crate::evidence::{
 use crate::jacobian::{JacobianEvidence, JacobianTest, TangentImages};
 use crate::loops::FEW_SAMPLES;
 use crate::rules::Subject;
-use crate::signal::parameters;
+use crate::signal::{NEGLIGIBLE, parameters};
 
 impl Runner<'_> {
     /// If the integral of a loop without breaks changes, searches for a form that the Jacobians preserve, and compares the integrals of
@@ -124,7 +124,7 @@ impl Runner<'_> {
         let (dof, size) = (subject.dof(), given.size.radius.concat());
         let holds = |entries: &[FormEntry]| {
             let mut errors = entries.iter().map(FormEntry::relative_error);
-            errors.all(|error| error <= MAX_RELATIVE_ERROR)
+            errors.all(|error| error <= NEGLIGIBLE)
                 && fit::holds(images, dof, &rounded::in_units(entries, &size))
         };
         let exact = rounded::in_coordinates(of_fit, &size);
