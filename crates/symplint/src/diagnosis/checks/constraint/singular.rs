@@ -36,7 +36,7 @@ const MAX_ZERO_SINGULAR_VALUE: f64 = 1e-5;
 
 /// Differences and ranks whose errors are larger than this part of the largest singular value show nothing. The trace of the derivative
 /// of a projection is the dimension of its manifold, up to this error.
-const MAX_RELATIVE_ERROR: f64 = 0.05;
+const MAX_RELATIVE_ERROR: f64 = 0.01;
 
 /// The most coordinates of a one-form whose rank is tested: the matrix has this size.
 const MAX_COORDINATES: usize = 512;

@@ -18,10 +18,13 @@ use crate::error::Error;
 use crate::evidence::{LoopBreak, Scatter, ScatterKind};
 use crate::map::{Difference, Evaluator};
 use crate::rules::Subject;
-use crate::signal::NEGLIGIBLE;
 use ignored_step_size::ignores_step_size;
 use inner_precision::rounding_inside;
 use purity::check_purity;
+
+/// If a map wraps a coordinate, the other one of its degree of freedom jumps by at most this part of the jump: it is continuous, and
+/// the ends of a break are a rounding apart. Conventional.
+const MAX_PARTNER_JUMP_AT_WRAP: f64 = 1e-6;
 
 impl Runner<'_> {
     /// Tests whether results depend on earlier calls, and how they are rounded. The error of the map near the given loop, if it fails
@@ -133,7 +136,8 @@ impl Runner<'_> {
                 jump_p,
                 ..
             } = at.found;
-            let alone = |jump: f64, other: f64| other.abs() <= NEGLIGIBLE * jump.abs();
+            let alone =
+                |jump: f64, other: f64| other.abs() <= MAX_PARTNER_JUMP_AT_WRAP * jump.abs();
             coordinates.period(dof) > 0.0 && alone(jump_q, jump_p)
                 || coordinates.momentum_period(dof) > 0.0 && alone(jump_p, jump_q)
         };
