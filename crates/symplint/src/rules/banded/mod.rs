@@ -199,7 +199,8 @@ mod tests {
         }
         println!("{taken} {worst}");
         assert!(taken > 700, "{taken}");
-        assert!(worst < 1.0, "{worst}");
+        // Nor is the error stated many times too large.
+        assert!((0.1..1.0).contains(&worst), "{worst}");
     }
 
     #[test]
