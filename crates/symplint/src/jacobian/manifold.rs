@@ -64,7 +64,7 @@ impl Sampler<'_> {
         let of_units: Vec<f64> = left.iter().map(norm).collect();
         let largest = of_units.into_iter().fold(0.0, f64::max);
         let mut basis: Vec<Derivative> = Vec::new();
-        // What is left of a vector that depends on the others is their error.
+        // If a vector depends on the others, only its error is left.
         while let Some(pivot) = (0..left.len())
             .max_by(|&a, &b| norm(&left[a]).total_cmp(&norm(&left[b])))
             .filter(|&pivot| norm(&left[pivot]) > NEGLIGIBLE * largest)

@@ -1,7 +1,7 @@
 //! A hint to the processor.
 
-/// Fetches from memory, while other work goes on, what is one length of a row behind the value at `index`: in most tables a value of the
-/// next row. Only x86-64 processors are asked.
+/// Asks an x86-64 processor to load the value at `index` of the next row into its cache. The next row is taken to begin where this one
+/// ends; if it does not, the load is useless but does no harm.
 #[inline(always)]
 pub(crate) fn prefetch_next_row(row: &[f64], index: usize) {
     let behind = row.as_ptr().wrapping_add(row.len() + index);

@@ -51,7 +51,7 @@ fn lag_sums(q: &[f64], p: &[f64], range: Range<usize>, done: usize, reference: f
     let ahead: [_; LAGS] = std::array::from_fn(|k| shifted(from + done + k + 1));
     let behind: [_; LAGS] = std::array::from_fn(|k| shifted(from - done - k - 1));
     for (group, values) in groups.iter().enumerate() {
-        // These rows are in the cache: fetch the next ones meanwhile.
+        // These rows are in the cache: load the next ones.
         prefetch_next_row(q, from + group * LANES);
         prefetch_next_row(p, from + group * LANES);
         let mut centred = [0.0; LANES];

@@ -29,9 +29,9 @@ const DOFS_OF_STRETCH: usize = 16;
 /// Stretches. If there are no more degrees of freedom than all of them have, all columns are taken.
 const STRETCHES: usize = 4;
 
-/// Singular values below this are zero, of a Jacobian in units of the inverse of the largest one: a symplectic step shrinks one direction
-/// as much as it expands another. Those of a form are at least 1e-3 in coordinates of similar action, and the differences have errors
-/// of 1e-9.
+/// A singular value below this counts as zero. For a Jacobian its unit is the inverse of the largest one: a symplectic step shrinks one
+/// direction as much as it expands another. Singular values of a form are at least 1e-3 in coordinates of similar action, and the
+/// differences have errors of 1e-9.
 const MAX_ZERO_SINGULAR_VALUE: f64 = 1e-5;
 
 /// Differences and ranks whose errors are larger than this part of the largest singular value show nothing. The trace of the derivative
