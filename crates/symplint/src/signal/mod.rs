@@ -20,7 +20,7 @@ pub(crate) use digits::{
 pub(crate) use extent::Extent;
 pub(crate) use largest::largest;
 pub(crate) use lattice::Levels;
-pub(crate) use prefetch::prefetch_next_row;
+pub(crate) use prefetch::prefetch;
 pub(crate) use random::{GOLDEN_RATIO, parameter, parameters, unit};
 pub(crate) use richardson::extrapolate;
 pub use unwrap::unwrap_row;

@@ -1,10 +1,10 @@
 //! A hint to the processor.
 
-/// Asks an x86-64 processor to load the value at `index` of the next row into its cache. The next row is taken to begin where this one
-/// ends; if it does not, the load is useless but does no harm.
+/// Asks an x86-64 processor to load the value at this distance behind the first of `values` into its cache. If there is none, the load is
+/// useless but does no harm.
 #[inline(always)]
-pub(crate) fn prefetch_next_row(row: &[f64], index: usize) {
-    let behind = row.as_ptr().wrapping_add(row.len() + index);
+pub(crate) fn prefetch(values: &[f64], distance: usize) {
+    let behind = values.as_ptr().wrapping_add(distance);
     #[cfg(target_arch = "x86_64")]
     // SAFETY: every x86-64 processor has the instruction, which moves data between caches and may have any address.
     unsafe {

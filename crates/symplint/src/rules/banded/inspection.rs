@@ -1,25 +1,23 @@
 //! How far the samples of a row are from smooth, by a high difference of each window of them.
 
+use std::ops::Range;
 use std::sync::LazyLock;
 
 use multiversion::multiversion;
 
-use super::{LANES, Stencil, round_end};
+use super::{LANES, RUN, Stencil, round_end};
 use crate::breaks::rounding;
 use crate::signal::UNIT_ROUNDOFF;
 
-/// Samples of a window: three registers. Its difference has order 23, and is below rounding if a wavelength has 18 samples or more.
+/// Samples of a window: three groups. Its difference has order 23, and is below rounding if a wavelength has 18 samples or more.
 const WINDOW: usize = 3 * LANES;
 
 /// From one window of q to the next: each cell of the loop is among the middle nine of one.
-pub(super) const Q_STRIDE: usize = 8;
+const Q_STRIDE: usize = LANES;
 
 /// From one window of p to the next. A jump of p counts for no more than the slope of q from one sample to the next, so that it may be
 /// larger.
-pub(super) const P_STRIDE: usize = 2 * Q_STRIDE;
-
-/// Groups of windows that are added up before a rough row is left.
-const GROUPS_AT_ONCE: usize = 8;
+const P_STRIDE: usize = 2 * Q_STRIDE;
 
 /// The rounding of samples, taken as rounding of the largest, rarely makes more than this of a difference: half of the sum of its
 /// absolute weights, 2^23/√binom(46, 23). What exceeds it may be a jump.
@@ -31,9 +29,9 @@ const MAX_JUMP_OVER_DIFFERENCE: f64 = 16.83;
 const MEAN_JUMP_OVER_DIFFERENCE: f64 = 6.0;
 
 /// The difference of a window, scaled so that white noise keeps its variance.
-static DIFFERENCE: LazyLock<[f64; WINDOW]> = LazyLock::new(|| {
-    let mut difference = [0.0; WINDOW];
-    difference.copy_from_slice(&Stencil::new(WINDOW - 1).difference);
+static DIFFERENCE: LazyLock<[[f64; LANES]; 3]> = LazyLock::new(|| {
+    let mut difference = [[0.0; LANES]; 3];
+    (difference.as_flattened_mut()).copy_from_slice(&Stencil::new(WINDOW - 1).difference);
     difference
 });
 
@@ -43,12 +41,12 @@ fn larger(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }
 }
 
-fn largest(lanes: [f64; LANES]) -> f64 {
+fn largest<const COUNT: usize>(lanes: [f64; COUNT]) -> f64 {
     lanes.into_iter().fold(0.0, larger)
 }
 
 /// What windows of samples show of a coordinate, all round the loop.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Inspection {
     windows: usize,
     /// Standard deviation of the noise.
@@ -64,39 +62,6 @@ pub(super) struct Inspection {
 }
 
 impl Inspection {
-    /// Inspects a row by windows this far apart; `None` if they show more than rounding.
-    pub fn of(row: &[f64], stride: usize) -> Option<Self> {
-        /// Enough for two groups of windows.
-        const ENDS: usize = 2 * LANES * P_STRIDE + WINDOW;
-        let (from_group, span) = (LANES * stride, (LANES - 1) * stride + WINDOW);
-        let groups = (row.len() - span) / from_group + 1;
-        let mut sums = WindowSums::default();
-        for group in (0..groups).step_by(GROUPS_AT_ONCE) {
-            let count = GROUPS_AT_ONCE.min(groups - group);
-            let of_groups = &row[group * from_group..][..(count - 1) * from_group + span];
-            sums = add_windows(of_groups, stride, row[0], sums);
-            sums.check()?;
-        }
-        // The others go round the end of the row.
-        let done = sums.windows * stride;
-        let ends: [f64; ENDS] = round_end(row, done);
-        let others = (row.len() - done).div_ceil(from_group);
-        let ends = &ends[..(others - 1) * from_group + span];
-        sums = add_windows(ends, stride, row[0], sums);
-        sums.check()?;
-        let mean = |lanes: [f64; LANES]| lanes.iter().sum::<f64>() / sums.windows as f64;
-        Some(Inspection {
-            windows: sums.windows,
-            noise: mean(sums.differences).sqrt(),
-            largest: largest(sums.largest),
-            size: largest(sums.sizes),
-            slope: row.len() as f64 * mean(sums.steps).sqrt(),
-            deviation: (mean(sums.squares) - mean(sums.values).powi(2))
-                .max(0.0)
-                .sqrt(),
-        })
-    }
-
     /// The jump that the differences of a coordinate of this size may be, beyond what its rounding makes of them.
     pub fn jump(&self, size: f64) -> f64 {
         // About the largest of this number of differences that are noise.
@@ -109,22 +74,79 @@ impl Inspection {
     }
 }
 
-/// Sums over windows, each over every [`LANES`]th of them.
-#[derive(Clone, Copy, Default)]
-struct WindowSums {
-    windows: usize,
+/// Sums over the windows of q.
+pub(super) type QWindows = Windows<{ P_STRIDE / Q_STRIDE }>;
+
+/// Sums over the windows of p.
+pub(super) type PWindows = Windows<1>;
+
+/// Sums over spans of samples, one every [`P_STRIDE`] samples, of so many windows [`Q_STRIDE`] apart.
+pub(super) struct Windows<const COUNT: usize> {
+    spans: usize,
     /// Squares of the differences, and the largest.
-    differences: [f64; LANES],
-    largest: [f64; LANES],
-    /// Squares of the increments in the middle of a window.
+    differences: [f64; COUNT],
+    largest: [f64; COUNT],
+    /// Squares of the increments up to the samples in the middle of the first window.
     steps: [f64; LANES],
-    /// Values there, from the first, their squares, and the largest size.
+    /// These samples, from the first of the row, their squares, and the largest size.
     values: [f64; LANES],
     squares: [f64; LANES],
     sizes: [f64; LANES],
+    /// The differences of a run in four parts each, before they are added up: one after the other, that takes longer than all else.
+    parts: [[[f64; 4]; COUNT]; RUN / P_STRIDE],
 }
 
-impl WindowSums {
+impl<const COUNT: usize> Windows<COUNT> {
+    /// Samples of a span.
+    const SPAN: usize = WINDOW + (COUNT - 1) * Q_STRIDE;
+
+    pub fn new() -> Self {
+        let (no_differences, none) = ([0.0; COUNT], [0.0; LANES]);
+        Windows {
+            spans: 0,
+            differences: no_differences,
+            largest: no_differences,
+            steps: none,
+            values: none,
+            squares: none,
+            sizes: none,
+            parts: [[[0.0; 4]; COUNT]; RUN / P_STRIDE],
+        }
+    }
+
+    /// Adds the spans that begin in a run and end in the row; `None` if they show more than rounding.
+    pub fn add(&mut self, row: &[f64], run: Range<usize>) -> Option<()> {
+        let end = (run.end + Self::SPAN - P_STRIDE).min(row.len());
+        add_spans(&row[run.start..end], row[0], self);
+        self.check()
+    }
+
+    /// Adds the spans that go round the end of the row, and says what all show; `None` if it is more than rounding.
+    pub fn close(mut self, row: &[f64]) -> Option<Inspection> {
+        const ENDS: usize = 2 * (WINDOW + Q_STRIDE) + P_STRIDE;
+        let done = self.spans * P_STRIDE;
+        let ends: [f64; ENDS] = round_end(row, done);
+        let others = (row.len() - done).div_ceil(P_STRIDE);
+        add_spans(
+            &ends[..(others - 1) * P_STRIDE + Self::SPAN],
+            row[0],
+            &mut self,
+        );
+        self.check()?;
+        let windows = self.spans * COUNT;
+        let mean = |lanes: [f64; LANES]| lanes.iter().sum::<f64>() / (self.spans * LANES) as f64;
+        Some(Inspection {
+            windows,
+            noise: (self.differences.iter().sum::<f64>() / windows as f64).sqrt(),
+            largest: largest(self.largest),
+            size: largest(self.sizes),
+            slope: row.len() as f64 * mean(self.steps).sqrt(),
+            deviation: (mean(self.squares) - mean(self.values).powi(2))
+                .max(0.0)
+                .sqrt(),
+        })
+    }
+
     /// `None` if a difference is larger than what rounding of the largest value so far makes of it, or no number.
     fn check(&self) -> Option<()> {
         let limit = rounding(UNIT_ROUNDOFF * largest(self.sizes));
@@ -133,52 +155,53 @@ impl WindowSums {
     }
 }
 
-/// Adds whole groups of [`LANES`] windows of a row, values from `first`.
+/// Adds the spans of a part of a row, values from `first`: far from the origin they would be rounded more than they are in storage.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx2", "x86_64+avx2"))]
-fn add_windows(row: &[f64], stride: usize, first: f64, mut sums: WindowSums) -> WindowSums {
-    const MIDDLE: usize = WINDOW / 2;
-    let weights: &[f64; WINDOW] = &DIFFERENCE;
-    let span = (LANES - 1) * stride + WINDOW;
-    for group in row.windows(span).step_by(LANES * stride) {
-        let [mut steps, mut values] = [[0.0; LANES]; 2];
-        let mut parts = [[0.0; PARTS]; LANES];
+fn add_spans<const COUNT: usize>(part: &[f64], first: f64, sums: &mut Windows<COUNT>) {
+    let [before, middle, behind] = *DIFFERENCE;
+    // In registers.
+    let (mut steps, mut values) = (sums.steps, sums.values);
+    let (mut squares, mut sizes) = (sums.squares, sums.sizes);
+    let spans = part.windows(Windows::<COUNT>::SPAN).step_by(P_STRIDE);
+    let count = spans.len();
+    for (span, parts) in spans.zip(&mut sums.parts) {
+        let groups = span.as_chunks::<LANES>().0;
+        let previous = &span[LANES - 1..].as_chunks::<LANES>().0[0];
+        let mut differences = [[0.0; LANES]; COUNT];
         for lane in 0..LANES {
-            let window = &group[lane * stride..][..WINDOW];
-            parts[lane] = difference(weights, window, first);
-            steps[lane] = window[MIDDLE] - window[MIDDLE - 1];
-            values[lane] = window[MIDDLE] - first;
+            let value = |group: usize| groups[group][lane] - first;
+            for (k, difference) in differences.iter_mut().enumerate() {
+                difference[lane] = before[lane] * value(k)
+                    + middle[lane] * value(k + 1)
+                    + behind[lane] * value(k + 2);
+            }
+            let step = groups[1][lane] - previous[lane];
+            steps[lane] += step * step;
+            values[lane] += value(1);
+            squares[lane] += value(1) * value(1);
+            sizes[lane] = larger(groups[1][lane].abs(), sizes[lane]);
         }
-        // All partial sums before the first total: summed window by window, they take registers of half the width.
-        let differences = parts.map(|[a, b, c, d]| (a + c) + (b + d));
-        for lane in 0..LANES {
-            let size = differences[lane].abs();
-            sums.largest[lane] = larger(size, sums.largest[lane]);
-            sums.differences[lane] += size * size;
-            sums.steps[lane] += steps[lane] * steps[lane];
-            sums.values[lane] += values[lane];
-            sums.squares[lane] += values[lane] * values[lane];
-            let size = (first + values[lane]).abs();
-            sums.sizes[lane] = larger(size, sums.sizes[lane]);
-        }
-        sums.windows += LANES;
+        *parts = differences.map(halved::<8, 4>);
     }
-    sums
+    (sums.steps, sums.values) = (steps, values);
+    (sums.squares, sums.sizes) = (squares, sizes);
+    let (mut squares, mut largest) = (sums.differences, sums.largest);
+    for parts in &sums.parts[..count] {
+        let halves = parts.map(halved::<4, 2>);
+        for k in 0..COUNT {
+            let difference = halves[k][0] + halves[k][1];
+            squares[k] += difference * difference;
+            largest[k] = larger(difference.abs(), largest[k]);
+        }
+    }
+    (sums.differences, sums.largest) = (squares, largest);
+    sums.spans += count;
 }
 
-/// Partial sums of the difference of a window.
-const PARTS: usize = LANES / 2;
-
-/// The difference of a window, in partial sums. Values count from `first`, or far from the origin they would be rounded more than
-/// they are in storage.
+/// The sums of one number of the first half and one of the second.
 #[inline(always)]
-fn difference(weights: &[f64; WINDOW], window: &[f64], first: f64) -> [f64; PARTS] {
-    let mut parts = [0.0; PARTS];
-    for k in 0..WINDOW / PARTS {
-        for part in 0..PARTS {
-            parts[part] += weights[PARTS * k + part] * (window[PARTS * k + part] - first);
-        }
-    }
-    parts
+fn halved<const ALL: usize, const HALF: usize>(numbers: [f64; ALL]) -> [f64; HALF] {
+    std::array::from_fn(|k| numbers[k] + numbers[k + HALF])
 }
 
 #[cfg(test)]
@@ -187,7 +210,7 @@ mod tests {
 
     #[test]
     fn weights_of_windows_are_as_stated() {
-        let weights = *DIFFERENCE;
+        let weights = DIFFERENCE.as_flattened();
         let sum: f64 = weights.iter().map(|w| w.abs()).sum();
         assert!((0.5 * sum / MAX_ROUNDINGS - 1.0).abs() < 2e-3, "{sum}");
         // A jump in each cell, seen by the window that shows it most.

@@ -5,7 +5,8 @@
 //! shortest wavelength is integrated to rounding.
 //!
 //! The rule answers only for rows whose samples show nothing but rounding above that ([`Inspection`]): no noise, no jump, no kink, no
-//! mode that a difference misses. All others are left to the transform, which says what they are like. Registers of any width give
+//! mode that a difference misses. All others are left to the transform, which says what they are like. A row is read once, a run of
+//! samples at a time: inspected and summed while it is in the cache, and left at the first run that is rough. Registers of any width give
 //! the same bits: sums run in [`LANES`] lanes, and no multiplication is fused with an addition.
 
 mod inspection;
@@ -15,8 +16,8 @@ use std::f64::consts::SQRT_2;
 use std::ops::Range;
 use std::sync::LazyLock;
 
-use self::inspection::{Inspection, P_STRIDE, Q_STRIDE};
-use self::lags::{LAGS, REACH, add_lags};
+use self::inspection::{PWindows, QWindows};
+use self::lags::{LAGS, REACH, add_lags, add_lags_of_ends};
 use super::RowIntegral;
 use super::stencil::{ALIASING_FACTOR, Stencil};
 use crate::signal::{LANES, UNIT_ROUNDOFF};
@@ -24,6 +25,9 @@ use crate::signal::{LANES, UNIT_ROUNDOFF};
 /// The fewest samples that the rule is for: fewer are transformed nearly as fast, and have so few windows that a jump makes much of
 /// what looks like noise.
 const MIN_SAMPLES: usize = 512;
+
+/// Samples that are visited at once, while they are in the first cache. The rounding of their sums grows with the root of this number.
+const RUN: usize = 512;
 
 /// What rounding makes of the sums, in units of what it makes of their scale. Calibrated: with this, errors of 893 random loops of 24
 /// modes are at most 0.4 of what is stated.
@@ -48,8 +52,15 @@ pub(super) fn integrate(q: &[f64], p: &[f64], gain: f64) -> Option<RowIntegral> 
     if samples < MIN_SAMPLES {
         return None;
     }
-    let of_q = Inspection::of(q, Q_STRIDE)?;
-    let of_p = Inspection::of(p, P_STRIDE)?;
+    let (mut of_q, mut of_p) = (QWindows::new(), PWindows::new());
+    let mut sums = [0.0; REACH];
+    for run in runs(samples) {
+        of_q.add(q, run.clone())?;
+        of_p.add(p, run.clone())?;
+        add_lags(q, p, run, 0, &mut sums);
+    }
+    let (of_q, of_p) = (of_q.close(q)?, of_p.close(p)?);
+    add_lags_of_ends(q, p, 0, &mut sums);
     if !(RANGE_OF_SIZES.contains(&of_q.deviation) && RANGE_OF_SIZES.contains(&of_p.deviation)) {
         return None;
     }
@@ -70,10 +81,12 @@ pub(super) fn integrate(q: &[f64], p: &[f64], gain: f64) -> Option<RowIntegral> 
         return None;
     }
 
-    let mut sums = [0.0; REACH];
     // By the lower order if it is enough.
     for (pass, [lower, higher]) in CENTRED.iter().enumerate() {
-        add_lags(q, p, pass * LAGS, &mut sums);
+        if pass > 0 {
+            runs(samples).for_each(|run| add_lags(q, p, run, LAGS, &mut sums));
+            add_lags_of_ends(q, p, LAGS, &mut sums);
+        }
         let [coarse, value] = [lower, higher].map(|stencil| weighted(stencil, &sums));
         let error = (value - coarse).abs() + hidden;
         if error <= most {
@@ -89,6 +102,13 @@ pub(super) fn integrate(q: &[f64], p: &[f64], gain: f64) -> Option<RowIntegral> 
         }
     }
     None
+}
+
+/// The samples that are visited at once.
+fn runs(samples: usize) -> impl Iterator<Item = Range<usize>> {
+    (0..samples)
+        .step_by(RUN)
+        .map(move |from| from..(from + RUN).min(samples))
 }
 
 fn weighted(stencil: &[f64], sums: &[f64]) -> f64 {
@@ -248,7 +268,7 @@ mod tests {
     #[test]
     fn jumps_of_any_size_are_in_the_error_or_left_to_the_transform() {
         let mut seed = 3;
-        let mut taken = 0;
+        let (mut taken, mut beyond) = (0, 0);
         for samples in [512, 1000, 4096] {
             for trial in 0..2000 {
                 let size = 1e-16 * 10f64.powi(trial % 5);
@@ -266,14 +286,20 @@ mod tests {
                 // Jumps of 32 roundings and less count as rounding.
                 let known =
                     found.roundoff + found.quadrature_error.unwrap() + rounding(UNIT_ROUNDOFF);
+                let ratio = of_jump.abs().max(off) / known;
+                beyond += usize::from(ratio > 1.0);
+                // A window shows a jump with its own rounding.
                 assert!(
-                    of_jump.abs().max(off) < 1.1 * known,
-                    "{samples}, {size:e}: {off:e} {known:e}"
+                    ratio < 1.15,
+                    "{samples}, {size:e}: {of_jump:e} {off:e} {known:e}"
                 );
             }
         }
-        println!("{taken}");
-        assert!(taken > 1000, "{taken}");
+        println!("{taken} {beyond}");
+        assert!(
+            taken > 1000 && beyond < taken / 100,
+            "{beyond} of {taken} are beyond their error"
+        );
     }
 
     #[test]
@@ -289,7 +315,8 @@ mod tests {
                 "{mode}: {found:?}"
             );
             let mut sums = [0.0; REACH];
-            add_lags(&q, &p, 0, &mut sums);
+            runs(samples).for_each(|run| add_lags(&q, &p, run, 0, &mut sums));
+            add_lags_of_ends(&q, &p, 0, &mut sums);
             let lower = weighted(&CENTRED[0][1], &sums);
             assert_eq!((lower / exact - 1.0).abs() < 1e-15, by_lower, "{mode}");
         }
