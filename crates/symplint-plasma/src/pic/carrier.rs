@@ -48,7 +48,7 @@ impl<const N: usize> Carrier for ByMoments<'_, N> {
         table.fill(0.0);
     }
 
-    #[inline]
+    #[inline(always)]
     fn add(self, table: &mut [f64], cell: u32, weight: f64, fraction: f64) {
         let (moments, _) = table.as_chunks_mut::<N>();
         add_particle(&mut moments[cell as usize], weight, fraction);
@@ -62,7 +62,7 @@ impl<const N: usize> Carrier for ByMoments<'_, N> {
         self.polynomials.gradients::<N>(nodes, table, work);
     }
 
-    #[inline]
+    #[inline(always)]
     fn gradient(self, table: &[f64], cell: u32, fraction: f64) -> f64 {
         gradient_at::<N>(table, self.cells, cell as usize, fraction)
     }
@@ -94,7 +94,7 @@ impl<const N: usize> Carrier for ByRuns<'_, N> {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn add(self, table: &mut [f64], cell: u32, weight: f64, fraction: f64) {
         let values = self.functions.values(fraction);
         let run = &mut table[self.functions.start(cell)..][..N];
@@ -127,13 +127,14 @@ impl<const N: usize> Carrier for ByRuns<'_, N> {
         self.runs.unfold(table, 1);
     }
 
-    #[inline]
+    #[inline(always)]
     fn gradient(self, table: &[f64], cell: u32, fraction: f64) -> f64 {
         let slopes = self.functions.slopes(fraction);
         let run = &table[self.functions.start(cell)..][..N];
-        run.iter()
-            .zip(slopes)
-            .map(|(node, slope)| node * slope)
-            .sum()
+        let mut sum = 0.0;
+        for j in 0..N {
+            sum += run[j] * slopes[j];
+        }
+        sum
     }
 }

@@ -1,5 +1,7 @@
 //! The force on a line: particles to nodes, charge to potential, and back; or pair by pair.
 
+use bytemuck::cast_slice_mut;
+use multiversion::multiversion;
 use symplint::state::{Rows, RowsMut, scratch};
 
 use super::by_functions::for_functions;
@@ -7,17 +9,20 @@ use super::carrier::{ByMoments, ByRuns, Carrier};
 use super::field::FieldSolver;
 use super::mesh::Mesh;
 use super::pairs::PairTable;
-use super::place::{Locator, RunPlaces};
+use super::place::{Locator, RUN, RunPlaces};
 use super::polynomials::CellPolynomials;
 use super::portions::Portions;
 use super::runs::Runs;
 
 /// Samples whose particles are carried to their meshes together: rows are read this number of values at a
 /// time, and sums into different meshes do not wait for each other.
-const GROUP: usize = 8;
+pub(super) const GROUP: usize = 8;
 
 /// Particles for each cell up to which it is faster to go without moments, at degrees 1 to 3.
 const PARTICLES_PER_CELL: usize = 1;
+
+/// Places of the particles of a group that are found once, and stay in a cache.
+const MAX_PLACES: usize = 1 << 11;
 
 /// Values of all tables of a group at most.
 const MAX_VALUES: usize = 1 << 16;
@@ -168,30 +173,27 @@ impl LineForce {
     ) {
         let len = carrier.table_len();
         let all = 0..weights.len();
-        scratch::with_buffer(W * len + carrier.work_len(), |buffer| {
+        // The places of few particles are kept.
+        let kept = W * all.len();
+        let kept = if kept <= MAX_PLACES { kept } else { 0 };
+        let size = W * len + carrier.work_len() + kept + kept.div_ceil(2);
+        scratch::with_buffer(size, |buffer| {
             let (tables, work) = buffer.split_at_mut(W * len);
-            let mut places = RunPlaces::<W>::new();
-            // The places of few particles are kept.
-            let kept = (all.len() <= RunPlaces::<W>::MAX_PARTICLES).then(|| {
-                self.locator.locate_run(q, first, all.clone(), &mut places);
-                &places
+            let (work, kept_places) = work.split_at_mut(carrier.work_len());
+            let (fractions, cells) = kept_places.split_at_mut(kept);
+            let places = (kept > 0).then(|| {
+                let cells = cast_slice_mut(cells);
+                (self.locator).places::<W>(q, first, all.clone(), cells, fractions)
             });
             (self.portions).sum(all.clone(), tables, &|portion, tables| {
                 for table in tables.chunks_exact_mut(len) {
                     carrier.clear(table, portion.start == 0);
                 }
-                let mut deposit = |a: usize, places: &RunPlaces<W>| {
-                    for ((cells, fractions), &weight) in places.iter().zip(&weights[a..]) {
-                        let samples = cells.iter().zip(fractions);
-                        for ((&cell, &fraction), table) in samples.zip(tables.chunks_exact_mut(len))
-                        {
-                            carrier.add(table, cell, weight, fraction);
-                        }
-                    }
-                };
-                match kept {
-                    Some(places) => deposit(0, places),
-                    None => self.locator.each_run(q, first, portion, deposit),
+                match places {
+                    Some(places) => deposit(carrier, places, weights, tables),
+                    None => self.locator.each_run(q, first, portion, |a, places| {
+                        deposit::<_, W>(carrier, places, &weights[a..], tables);
+                    }),
                 }
             });
             for table in tables.chunks_exact_mut(len) {
@@ -199,23 +201,62 @@ impl LineForce {
             }
             let tables = &*tables;
             (self.portions).each::<1>(all, p.reborrow(), &|portion, mut p| {
-                let start = portion.start;
-                let mut gather = |a: usize, places: &RunPlaces<W>| {
-                    for (i, (cells, fractions)) in places.iter().enumerate() {
-                        let row = &mut p.row_mut(a - start + i)[first..first + W];
-                        let samples = cells.iter().zip(fractions);
-                        let samples = samples.zip(tables.chunks_exact(len));
-                        for (v, ((&cell, &fraction), table)) in row.iter_mut().zip(samples) {
-                            *v -= tau * carrier.gradient(table, cell, fraction);
-                        }
-                    }
+                let (start, mut gradients) = (portion.start, [0.0; RUN]);
+                let mut gather = |a: usize, places: RunPlaces<'_, W>| {
+                    let at = [a - start, first];
+                    gather(carrier, places, tables, tau, &mut gradients, at, &mut p);
                 };
-                match kept {
-                    Some(places) => gather(0, places),
+                match places {
+                    Some(places) => places.runs().for_each(|(a, places)| gather(a, places)),
                     None => self.locator.each_run(q, first, portion, gather),
                 }
             });
         });
+    }
+}
+
+/// Adds the particles of a run to the tables of their samples, which lie one after the other.
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx2", "x86_64+avx2"))]
+fn deposit<C: Carrier, const W: usize>(
+    carrier: C,
+    places: RunPlaces<'_, W>,
+    weights: &[f64],
+    tables: &mut [f64],
+) {
+    let len = carrier.table_len();
+    for ((cells, fractions), &weight) in places.iter().zip(weights) {
+        for sample in 0..W {
+            let table = &mut tables[sample * len..][..len];
+            carrier.add(table, cells[sample], weight, fractions[sample]);
+        }
+    }
+}
+
+/// p −= τ × the gradients at the particles of a run, by the tables of their samples. The first particle and sample are this row of `p` and
+/// this place of it. All gradients are stored before they are subtracted: to load a vector that was just stored in parts takes long.
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx2", "x86_64+avx2"))]
+fn gather<C: Carrier, const W: usize>(
+    carrier: C,
+    places: RunPlaces<'_, W>,
+    tables: &[f64],
+    tau: f64,
+    gradients: &mut [f64; RUN],
+    [first_row, first_sample]: [usize; 2],
+    p: &mut RowsMut<'_>,
+) {
+    let len = carrier.table_len();
+    let (gradients, _) = gradients.as_chunks_mut::<W>();
+    for ((cells, fractions), gradients) in places.iter().zip(&mut *gradients) {
+        for sample in 0..W {
+            let table = &tables[sample * len..][..len];
+            gradients[sample] = carrier.gradient(table, cells[sample], fractions[sample]);
+        }
+    }
+    for (i, (_, gradients)) in places.iter().zip(gradients).enumerate() {
+        let row = &mut p.row_mut(first_row + i)[first_sample..][..W];
+        for (v, gradient) in row.iter_mut().zip(gradients) {
+            *v -= tau * *gradient;
+        }
     }
 }
 

@@ -3,25 +3,26 @@
 //! The force between two particles depends on the distance of their cells and on the fractions of
 //! those at which they sit: on the second by one polynomial, for each of the first's moments.
 
+use multiversion::multiversion;
 use symplint::state::{Rows, RowsMut};
 
 use super::field::FieldSolver;
-use super::place::Locator;
+use super::line::GROUP;
+use super::place::{Locator, RunPlaces};
 use super::polynomials::{CellPolynomials, add_particle, gradient_at};
+
+/// Particles of all samples that are kicked together, at most: their places are kept on the stack.
+const PLACES: usize = 64;
 
 /// The gradients on all cells that the moments of one cell and their share of background make.
 #[derive(Clone, Debug)]
 pub(super) struct PairTable {
-    cells: usize,
     /// For each distance in cells and each moment, the coefficients of the gradient's powers, the last
     /// of them 0.
     gradients: Vec<f64>,
 }
 
 impl PairTable {
-    /// Particles at most: their places are kept on the stack.
-    const MAX_PARTICLES: usize = 64;
-
     /// Whether this is the fastest way to the force.
     pub(super) fn is_faster(particles: usize, polynomials: &CellPolynomials, cells: usize) -> bool {
         /// Pairs times functions, for each cell, up to which they measure faster than a transform over
@@ -31,7 +32,7 @@ impl PairTable {
         const MAX_VALUES: usize = 1 << 16;
         let functions = polynomials.functions();
         let products = particles * particles * functions;
-        particles <= Self::MAX_PARTICLES
+        particles <= PLACES
             && products <= PRODUCTS_PER_CELL * cells
             && functions * polynomials.table_len() <= MAX_VALUES
     }
@@ -59,7 +60,7 @@ impl PairTable {
                 }
             }
         }
-        PairTable { cells, gradients }
+        PairTable { gradients }
     }
 
     /// p −= τ × the gradient at the particles, for every sample.
@@ -71,37 +72,76 @@ impl PairTable {
         q: Rows<'_>,
         p: &mut RowsMut<'_>,
     ) {
-        let particles = weights.len();
-        let (mut x, mut fractions) = ([0.0; Self::MAX_PARTICLES], [0.0; Self::MAX_PARTICLES]);
-        let (mut cells, mut moments) = ([0; Self::MAX_PARTICLES], [[0.0; N]; Self::MAX_PARTICLES]);
-        let (x, fractions) = (&mut x[..particles], &mut fractions[..particles]);
-        let (cells, moments) = (&mut cells[..particles], &mut moments[..particles]);
-        let matrices: &[[[f64; N]; N]] = self.gradients.as_chunks().0.as_chunks().0;
-        for sample in 0..q.len() {
-            for (a, x) in x.iter_mut().enumerate() {
-                *x = q.row(a)[sample];
-            }
-            locator.locate(x, cells, fractions);
-            moments.fill([0.0; N]);
-            for ((moments, &weight), &fraction) in moments.iter_mut().zip(weights).zip(&*fractions)
-            {
-                add_particle(moments, weight, fraction);
-            }
-            for (a, (&cell, &fraction)) in cells.iter().zip(&*fractions).enumerate() {
-                let mut gradient = [0.0; N];
-                for (moments, &source) in moments.iter().zip(&*cells) {
-                    let turn = if cell < source { self.cells } else { 0 };
-                    let distance = cell as usize + turn - source as usize;
-                    add_products(moments, &matrices[distance], &mut gradient);
-                }
-                p.row_mut(a)[sample] -= tau * gradient_at::<N>(&gradient, 1, 0, fraction);
+        let are_few = GROUP * weights.len() <= PLACES;
+        let whole = if are_few { q.len() / GROUP * GROUP } else { 0 };
+        for first in (0..whole).step_by(GROUP) {
+            self.kick_group::<N, GROUP>(locator, weights, tau, first, q, p);
+        }
+        for first in whole..q.len() {
+            self.kick_group::<N, 1>(locator, weights, tau, first, q, p);
+        }
+    }
+
+    /// Kicks `W` neighbouring samples, from sample `first` on.
+    fn kick_group<const N: usize, const W: usize>(
+        &self,
+        locator: &Locator,
+        weights: &[f64],
+        tau: f64,
+        first: usize,
+        q: Rows<'_>,
+        p: &mut RowsMut<'_>,
+    ) {
+        let (mut cells, mut fractions) = ([0; PLACES], [0.0; PLACES]);
+        let particles = 0..weights.len();
+        let places = locator.places(q, first, particles, &mut cells, &mut fractions);
+        let mut gradients = [0.0; PLACES];
+        let (gradients, _) = gradients.as_chunks_mut::<W>();
+        let matrices = self.gradients.as_chunks().0.as_chunks().0;
+        sum_pairs::<N, W>(matrices, places, weights, gradients);
+        for (a, gradients) in gradients[..weights.len()].iter().enumerate() {
+            let row = &mut p.row_mut(a)[first..][..W];
+            for (v, gradient) in row.iter_mut().zip(gradients) {
+                *v -= tau * gradient;
             }
         }
     }
 }
 
+/// The gradients at the particles of a run, by the matrices of a [`PairTable`].
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx2", "x86_64+avx2"))]
+fn sum_pairs<const N: usize, const W: usize>(
+    matrices: &[[[f64; N]; N]],
+    places: RunPlaces<'_, W>,
+    weights: &[f64],
+    gradients: &mut [[f64; W]],
+) {
+    let mut moments = [[0.0; N]; PLACES];
+    let (moments, _) = moments.as_chunks_mut::<W>();
+    for ((moments, (_, fractions)), &weight) in moments.iter_mut().zip(places.iter()).zip(weights) {
+        for (moments, &fraction) in moments.iter_mut().zip(fractions) {
+            add_particle(moments, weight, fraction);
+        }
+    }
+    for ((cells, fractions), gradients) in places.iter().zip(gradients) {
+        for sample in 0..W {
+            let mut gradient = [0.0; N];
+            for (moments, (sources, _)) in moments.iter().zip(places.iter()) {
+                let (cell, source) = (cells[sample] as usize, sources[sample] as usize);
+                let turn = if cell < source { matrices.len() } else { 0 };
+                add_products(
+                    &moments[sample],
+                    &matrices[cell + turn - source],
+                    &mut gradient,
+                );
+            }
+            gradients[sample] = gradient_at::<N>(&gradient, 1, 0, fractions[sample]);
+        }
+    }
+}
+
 /// Adds Σ_i `factors[i]` × `rows[i]` to `sums`.
-#[inline]
+#[inline(always)]
 fn add_products<const N: usize>(factors: &[f64; N], rows: &[[f64; N]; N], sums: &mut [f64; N]) {
     for (factor, row) in factors.iter().zip(rows) {
         for (sum, value) in sums.iter_mut().zip(row) {

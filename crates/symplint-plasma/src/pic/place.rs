@@ -14,39 +14,41 @@ pub(super) struct Locator {
 }
 
 /// Places of a run.
-const RUN: usize = 128;
+pub(super) const RUN: usize = 128;
 
-/// Where `W` samples have the particles of one run.
-pub(super) struct RunPlaces<const W: usize> {
-    cells: [u32; RUN],
-    fractions: [f64; RUN],
-    len: usize,
+/// Where `W` samples have some particles.
+#[derive(Clone, Copy)]
+pub(super) struct RunPlaces<'a, const W: usize> {
+    cells: &'a [u32],
+    fractions: &'a [f64],
 }
 
-impl<const W: usize> RunPlaces<W> {
+impl<'a, const W: usize> RunPlaces<'a, W> {
     /// Particles of a run at most.
     pub(super) const MAX_PARTICLES: usize = RUN / W;
 
-    pub(super) fn new() -> Self {
-        RunPlaces {
-            cells: [0; RUN],
-            fractions: [0.0; RUN],
-            len: 0,
-        }
-    }
-
     /// For each particle the cells it is in and the fractions of them at which it is, in all samples.
     #[inline]
-    pub(super) fn iter(&self) -> impl Iterator<Item = (&[u32; W], &[f64; W])> {
+    pub(super) fn iter(self) -> impl Iterator<Item = (&'a [u32; W], &'a [f64; W])> {
         self.chunks()
     }
 
     /// The same by `C` places: of particles that have a row for each axis.
     #[inline]
-    pub(super) fn chunks<const C: usize>(&self) -> impl Iterator<Item = (&[u32; C], &[f64; C])> {
-        let (cells, _) = self.cells[..self.len].as_chunks();
-        let (fractions, _) = self.fractions[..self.len].as_chunks();
+    pub(super) fn chunks<const C: usize>(
+        self,
+    ) -> impl Iterator<Item = (&'a [u32; C], &'a [f64; C])> {
+        let (cells, _) = self.cells.as_chunks();
+        let (fractions, _) = self.fractions.as_chunks();
         cells.iter().zip(fractions)
+    }
+
+    /// Runs of these particles, and the number of the first of each.
+    pub(super) fn runs(self) -> impl Iterator<Item = (usize, Self)> {
+        let length = W * Self::MAX_PARTICLES;
+        let runs = self.cells.chunks(length).zip(self.fractions.chunks(length));
+        let firsts = (0..).step_by(Self::MAX_PARTICLES);
+        firsts.zip(runs.map(|(cells, fractions)| RunPlaces { cells, fractions }))
     }
 }
 
@@ -77,37 +79,44 @@ impl Locator {
         q: Rows<'_>,
         first: usize,
         particles: Range<usize>,
-        mut work: impl FnMut(usize, &RunPlaces<W>),
+        mut work: impl FnMut(usize, RunPlaces<'_, W>),
     ) {
-        let mut places = RunPlaces::new();
+        let (mut cells, mut fractions) = ([0; RUN], [0.0; RUN]);
         for a in particles.clone().step_by(RunPlaces::<W>::MAX_PARTICLES) {
             let end = particles.end.min(a + RunPlaces::<W>::MAX_PARTICLES);
-            self.locate_run(q, first, a..end, &mut places);
-            work(a, &places);
+            work(a, self.places(q, first, a..end, &mut cells, &mut fractions));
         }
     }
 
-    /// Finds where those samples have the particles of one run.
+    /// Finds where those samples have some particles, with memory for as many cells and fractions at least.
     #[inline]
-    pub(super) fn locate_run<const W: usize>(
+    pub(super) fn places<'a, const W: usize>(
         &self,
         q: Rows<'_>,
         first: usize,
         particles: Range<usize>,
-        places: &mut RunPlaces<W>,
-    ) {
+        cells: &'a mut [u32],
+        fractions: &'a mut [f64],
+    ) -> RunPlaces<'a, W> {
         let len = W * particles.len();
-        let (cells, fractions) = (&mut places.cells[..len], &mut places.fractions[..len]);
-        places.len = len;
-        if let (Some(all), true) = (q.as_slice(), q.len() == W) {
-            return self.locate(&all[W * particles.start..][..len], cells, fractions);
+        let (cells, fractions) = (&mut cells[..len], &mut fractions[..len]);
+        match q.as_slice().filter(|_| q.len() == W) {
+            Some(all) => self.locate(&all[W * particles.start..][..len], cells, fractions),
+            None => {
+                let mut x = [0.0; RUN];
+                let length = W * RunPlaces::<W>::MAX_PARTICLES;
+                let runs = cells.chunks_mut(length).zip(fractions.chunks_mut(length));
+                let firsts = particles.step_by(RunPlaces::<W>::MAX_PARTICLES);
+                for (start, (cells, fractions)) in firsts.zip(runs) {
+                    let x = &mut x[..cells.len()];
+                    for (x, a) in x.as_chunks_mut::<W>().0.iter_mut().zip(start..) {
+                        x.copy_from_slice(&q.row(a)[first..first + W]);
+                    }
+                    self.locate(x, cells, fractions);
+                }
+            }
         }
-        let mut x = [0.0; RUN];
-        let x = &mut x[..len];
-        for (x, a) in x.as_chunks_mut::<W>().0.iter_mut().zip(particles) {
-            x.copy_from_slice(&q.row(a)[first..first + W]);
-        }
-        self.locate(x, cells, fractions);
+        RunPlaces { cells, fractions }
     }
 
     /// Some positions are at nodes, far out, or not finite: all of them one by one.

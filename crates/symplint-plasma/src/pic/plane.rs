@@ -1,5 +1,6 @@
 //! The force in a plane: particles to runs of nodes on both axes, charge to potential, and back.
 
+use multiversion::multiversion;
 use symplint::state::{Rows, RowsMut, scratch};
 
 use super::by_functions::for_functions;
@@ -76,27 +77,17 @@ impl PlaneForce {
                         table.fill(0.0);
                     }
                     let rows = 2 * portion.start..2 * portion.end;
-                    let deposit = |row: usize, places: &RunPlaces<1>| {
-                        let particles = places.chunks().zip(&weights[row / 2..]);
-                        for ((&cells, &fractions), &weight) in particles {
-                            let nodes = Patch::new(functions, len, cells, fractions);
-                            nodes.deposit(weight, table);
-                        }
-                    };
-                    self.locator.each_run(q, sample, rows, deposit);
+                    (self.locator).each_run(q, sample, rows, |row, places| {
+                        deposit(functions, len, places, &weights[row / 2..], table);
+                    });
                 });
                 self.solve(table, nodes, solver);
                 let table = &*table;
                 (self.portions).each::<2>(particles.clone(), p.reborrow(), &|portion, mut p| {
                     let rows = 2 * portion.start..2 * portion.end;
-                    let gather = |row: usize, places: &RunPlaces<1>| {
-                        for (i, (&cells, &fractions)) in places.chunks().enumerate() {
-                            let nodes = Patch::new(functions, len, cells, fractions);
-                            let gradient = nodes.gradient(table);
-                            let first = row - 2 * portion.start + 2 * i;
-                            p.row_mut(first)[sample] -= tau * gradient[0];
-                            p.row_mut(first + 1)[sample] -= tau * gradient[1];
-                        }
+                    let gather = |row: usize, places: RunPlaces<'_, 1>| {
+                        let at = [row - 2 * portion.start, sample];
+                        gather(functions, len, places, table, tau, at, &mut p);
                     };
                     self.locator.each_run(q, sample, rows, gather);
                 });
@@ -140,6 +131,38 @@ impl PlaneForce {
     }
 }
 
+/// Adds the particles of a run to a table, whose rows have this length.
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx2", "x86_64+avx2"))]
+fn deposit<const N: usize>(
+    functions: RunFunctions<'_, N>,
+    len: usize,
+    places: RunPlaces<'_, 1>,
+    weights: &[f64],
+    table: &mut [f64],
+) {
+    for ((&cells, &fractions), &weight) in places.chunks().zip(weights) {
+        Patch::new(functions, len, cells, fractions).deposit(weight, table);
+    }
+}
+
+/// p −= τ × the gradients at the particles of a run. The first particle and the sample are this row of `p` and this place of it.
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx2", "x86_64+avx2"))]
+fn gather<const N: usize>(
+    functions: RunFunctions<'_, N>,
+    len: usize,
+    places: RunPlaces<'_, 1>,
+    table: &[f64],
+    tau: f64,
+    [first_row, sample]: [usize; 2],
+    p: &mut RowsMut<'_>,
+) {
+    for (row, (&cells, &fractions)) in (first_row..).step_by(2).zip(places.chunks()) {
+        let gradient = Patch::new(functions, len, cells, fractions).gradient(table);
+        p.row_mut(row)[sample] -= tau * gradient[0];
+        p.row_mut(row + 1)[sample] -= tau * gradient[1];
+    }
+}
+
 /// The nodes that a particle touches, a run of each of `N` rows, and where it is among them.
 struct Patch<'a, const N: usize> {
     functions: RunFunctions<'a, N>,
@@ -150,7 +173,7 @@ struct Patch<'a, const N: usize> {
 }
 
 impl<'a, const N: usize> Patch<'a, N> {
-    #[inline]
+    #[inline(always)]
     fn new(
         functions: RunFunctions<'a, N>,
         len: usize,
@@ -166,7 +189,7 @@ impl<'a, const N: usize> Patch<'a, N> {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn deposit(&self, charge: f64, table: &mut [f64]) {
         let [first, last] = self.fractions.map(|x| self.functions.values(x));
         let rows = &mut table[self.start..][..(N - 1) * self.len + N];
@@ -178,7 +201,7 @@ impl<'a, const N: usize> Patch<'a, N> {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn gradient(&self, table: &[f64]) -> [f64; 2] {
         let [first, last] = self.fractions.map(|x| self.functions.values(x));
         let [first_slopes, last_slopes] = self.fractions.map(|x| self.functions.slopes(x));

@@ -127,7 +127,7 @@ fn add_products<const N: usize>(factors: &[f64; N], rows: [&[f64]; N], sums: &mu
 }
 
 /// Adds a particle to the moments of its cell.
-#[inline]
+#[inline(always)]
 pub(super) fn add_particle<const N: usize>(moments: &mut [f64; N], weight: f64, fraction: f64) {
     let mut power = weight;
     for moment in moments {
@@ -137,7 +137,7 @@ pub(super) fn add_particle<const N: usize>(moments: &mut [f64; N], weight: f64, 
 }
 
 /// The gradient at a fraction of a cell, from a table for `cells` cells.
-#[inline]
+#[inline(always)]
 pub(super) fn gradient_at<const N: usize>(
     table: &[f64],
     cells: usize,

@@ -30,7 +30,8 @@ pub(super) struct Runs {
 #[derive(Clone, Copy)]
 pub(super) struct RunFunctions<'a, const N: usize> {
     step: usize,
-    values: &'a [[f64; N]],
+    values: &'a [[f64; N]; N],
+    /// One power fewer.
     slopes: &'a [[f64; N]],
 }
 
@@ -91,9 +92,10 @@ impl Runs {
     #[inline]
     pub(super) fn of<const N: usize>(&self) -> RunFunctions<'_, N> {
         assert!(N == self.functions);
+        let values = self.values.as_chunks().0.first_chunk();
         RunFunctions {
             step: self.step,
-            values: self.values.as_chunks().0,
+            values: values.expect("as many powers as functions"),
             slopes: self.slopes.as_chunks().0,
         }
     }
@@ -120,21 +122,21 @@ impl Runs {
 
 impl<const N: usize> RunFunctions<'_, N> {
     /// The first place that is touched from a cell.
-    #[inline]
+    #[inline(always)]
     pub(super) fn start(self, cell: u32) -> usize {
         cell as usize * self.step
     }
 
     /// The functions at a fraction of the cell.
-    #[inline]
+    #[inline(always)]
     pub(super) fn values(self, fraction: f64) -> [f64; N] {
         horner(self.values, fraction - 0.5)
     }
 
     /// Their gradients there.
-    #[inline]
+    #[inline(always)]
     pub(super) fn slopes(self, fraction: f64) -> [f64; N] {
-        horner(self.slopes, fraction - 0.5)
+        horner(&self.slopes[..N - 1], fraction - 0.5)
     }
 }
 
@@ -153,7 +155,7 @@ fn about_the_middle<const R: usize, const C: usize>(mut powers: [[f64; C]; R]) -
 }
 
 /// Polynomials at x, all at once, by their coefficients from the zeroth power on.
-#[inline]
+#[inline(always)]
 fn horner<const N: usize>(coefficients: &[[f64; N]], x: f64) -> [f64; N] {
     let mut highest_first = coefficients.iter().rev();
     let mut sums = *highest_first.next().expect("every shape has a power");
