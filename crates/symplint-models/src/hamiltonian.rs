@@ -5,6 +5,7 @@
 
 use std::sync::Arc;
 
+use multiversion::multiversion;
 use symplint::Coordinates;
 use symplint::state::{Rows, RowsMut, scratch};
 
@@ -20,19 +21,7 @@ pub trait Separable: Send + Sync {
 
     /// The exact flow of T for a time `tau`: q += τ ∂T/∂p. By default T = |p|²/2.
     fn drift(&self, tau: f64, p: Rows<'_>, q: &mut RowsMut<'_>) {
-        let add = |q: &mut [f64], p: &[f64]| {
-            for (q, p) in q.iter_mut().zip(p) {
-                *q += tau * p;
-            }
-        };
-        // A row has one value where there is one sample: they are taken all at once.
-        if let (Some(q), Some(p)) = (q.as_mut_slice(), p.as_slice()) {
-            assert_eq!(q.len(), p.len(), "q and p have the same shape");
-            return add(q, p);
-        }
-        for i in 0..p.count() {
-            add(q.row_mut(i), p.row(i));
-        }
+        add_multiple(tau, p, q);
     }
 
     /// The exact flow of V for a time `tau`: p −= τ ∂V/∂q.
@@ -103,6 +92,24 @@ pub trait DriftKick: Send + Sync {
     /// The derivatives of drifts and kicks, if the system supplies them. By default it does not.
     fn tangent(&self) -> Option<&dyn DriftKickTangent> {
         None
+    }
+}
+
+/// out += factor × rows.
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx2", "x86_64+avx2"))]
+fn add_multiple(factor: f64, rows: Rows<'_>, out: &mut RowsMut<'_>) {
+    let add = |out: &mut [f64], row: &[f64]| {
+        for (out, value) in out.iter_mut().zip(row) {
+            *out += factor * value;
+        }
+    };
+    // A row has one value if there is one sample: they are taken all at once.
+    if let (Some(out), Some(rows)) = (out.as_mut_slice(), rows.as_slice()) {
+        assert_eq!(out.len(), rows.len(), "both have the same shape");
+        return add(out, rows);
+    }
+    for i in 0..rows.count() {
+        add(out.row_mut(i), rows.row(i));
     }
 }
 

@@ -1,5 +1,6 @@
 //! Explicit Runge–Kutta methods, ordinary and partitioned.
 
+use multiversion::multiversion;
 use symplint::map::{Capabilities, TangentMap};
 use symplint::state::{Rows, RowsMut, scratch};
 use symplint::{Block, StepFailure, TimeAdvance};
@@ -194,14 +195,8 @@ impl<'a, 'b> StageState<'a, 'b> {
             None | Some([]) => start,
             Some([first, others @ ..]) => {
                 if self.held != Some(stage) {
-                    let factor = h * first.0;
-                    for i in 0..start.count() {
-                        let slope = slopes[first.1].row(i);
-                        let sums = start.row(i).iter().zip(slope);
-                        let sums = sums.map(|(start, slope)| start + factor * slope);
-                        (self.rows.row_mut(i).iter_mut().zip(sums))
-                            .for_each(|(out, sum)| *out = sum);
-                    }
+                    let slope = slopes[first.1].as_rows();
+                    write_sum(start, h * first.0, slope, self.rows);
                     add_terms(self.rows, h, others, slopes);
                     self.held = Some(stage);
                 }
@@ -211,7 +206,19 @@ impl<'a, 'b> StageState<'a, 'b> {
     }
 }
 
+/// `out` = `start` + factor × `slope`.
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx2", "x86_64+avx2"))]
+fn write_sum(start: Rows<'_>, factor: f64, slope: Rows<'_>, out: &mut RowsMut<'_>) {
+    for i in 0..start.count() {
+        let sums = start.row(i).iter().zip(slope.row(i));
+        for (out, (start, slope)) in out.row_mut(i).iter_mut().zip(sums) {
+            *out = start + factor * slope;
+        }
+    }
+}
+
 /// `out` += h Σ coefficient × slope, row by row, so that a row stays in the nearest cache.
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx2", "x86_64+avx2"))]
 fn add_terms(out: &mut RowsMut<'_>, h: f64, terms: &[Term], slopes: &[RowsMut<'_>]) {
     for i in 0..out.count() {
         let out = out.row_mut(i);

@@ -2,10 +2,12 @@
 //!
 //! An [`Ensemble`](crate::Ensemble) keeps one long contiguous row of samples for
 //! each degree of freedom; a block of it is a set of equally long pieces of those
-//! rows. [`Rows`] and [`RowsMut`] are that set. This is the only file with
-//! `unsafe`: safe Rust cannot hand out disjoint column ranges of one table.
+//! rows. [`Rows`] and [`RowsMut`] are that set. They need `unsafe`: safe Rust cannot hand
+//! out disjoint column ranges of one table.
 
 use std::marker::PhantomData;
+
+use multiversion::multiversion;
 
 /// Values of a cache line.
 pub(crate) const CACHE_LINE: usize = 8;
@@ -110,18 +112,23 @@ impl<'a> Rows<'a> {
 
     /// Whether no value is infinite or NaN.
     pub fn all_finite(&self) -> bool {
-        // Without a branch and in words as wide as the values, so that it is vectorised.
-        let is_finite = |values: &[f64]| {
-            let mut found = 0;
-            for value in values {
-                found |= u64::from(!value.is_finite());
-            }
-            found == 0
-        };
-        match self.as_slice() {
-            Some(values) => is_finite(values),
-            None => (0..self.count).all(|i| is_finite(self.row(i))),
+        all_finite(*self)
+    }
+}
+
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx2", "x86_64+avx2"))]
+fn all_finite(rows: Rows<'_>) -> bool {
+    // Without a branch and in words as wide as the values, so that it is vectorised.
+    let is_finite = |values: &[f64]| {
+        let mut found = 0;
+        for value in values {
+            found |= u64::from(!value.is_finite());
         }
+        found == 0
+    };
+    match rows.as_slice() {
+        Some(values) => is_finite(values),
+        None => (0..rows.count).all(|i| is_finite(rows.row(i))),
     }
 }
 
