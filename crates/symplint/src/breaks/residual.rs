@@ -182,32 +182,30 @@ const WIDE_REACH: usize = 13;
 
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx2", "x86_64+avx2"))]
 fn any_may_jump(row: &[f64], floor: f64) -> bool {
-    /// Double cells around each of the cells of a group, and some more.
-    const WIDE_CELLS: usize = GROUP + 4;
-    // What residuals differ by that are rounded in another order is less than half of the floor.
-    let slack = 0.5 * floor;
-    for window in row.windows(GROUP + WIDE_REACH).step_by(GROUP) {
-        let Some(x) = window.first_chunk::<{ GROUP + WIDE_REACH }>() else {
-            return true;
-        };
-        let (mut narrow, mut wide) = ([0.0; GROUP], [0.0; WIDE_CELLS]);
-        for k in 0..GROUP {
-            let at = |ahead: usize| x[k + ahead];
-            narrow[k] = residual([at(4), at(5), at(6), at(7), at(8), at(9)]).abs();
+    /// Cells that are looked at together. Their residuals are all stored before they are compared with those of their neighbours: to load a
+    /// vector that was just stored in parts takes long.
+    const AT_ONCE: usize = 16 * GROUP;
+    // What residuals differ by that are rounded in another order is less than half of the floor. They are compared before they are divided.
+    let slack = 0.5 * DIVISOR_OF_RESIDUAL * floor;
+    let larger = |a: f64, b: f64| if a > b { a } else { b };
+    let (mut narrow, mut wide) = ([0.0; AT_ONCE], [0.0; AT_ONCE + 3]);
+    let cells = row.len().saturating_sub(WIDE_REACH);
+    for first in (0..cells).step_by(AT_ONCE) {
+        let count = AT_ONCE.min(cells - first);
+        let narrow = &mut narrow[..count];
+        for (residual, x) in narrow.iter_mut().zip(row[first + 4..].windows(6)) {
+            *residual = undivided([x[0], x[1], x[2], x[3], x[4], x[5]]).abs();
         }
-        for k in 0..WIDE_CELLS - 1 {
-            let at = |ahead: usize| x[k + ahead];
-            wide[k] = residual([at(0), at(2), at(4), at(6), at(8), at(10)]).abs();
+        // Double cells around each of the cells.
+        let wide = &mut wide[..count + 3];
+        for (residual, x) in wide.iter_mut().zip(row[first..].windows(11)) {
+            *residual = undivided([x[0], x[2], x[4], x[6], x[8], x[10]]).abs();
         }
         let mut jumps = 0;
-        for k in 0..GROUP {
-            let larger = |a: f64, b: f64| if a > b { a } else { b };
-            let around = larger(
-                larger(wide[k], wide[k + 1]),
-                larger(wide[k + 2], wide[k + 3]),
-            );
-            let stands_out = narrow[k] > slack;
-            let stays = narrow[k] + slack > MIN_NARROW_OVER_WIDE * around;
+        for (narrow, wide) in narrow.iter().zip(wide.windows(4)) {
+            let around = larger(larger(wide[0], wide[1]), larger(wide[2], wide[3]));
+            let stands_out = *narrow > slack;
+            let stays = narrow + slack > MIN_NARROW_OVER_WIDE * around;
             jumps |= u64::from(stands_out & stays);
         }
         if jumps != 0 {
@@ -253,8 +251,16 @@ pub(super) const NEIGHBOURS: usize = 2;
 /// The step from x_2 to x_3 that the values of polynomials up to the fourth degree do not explain.
 #[inline(always)]
 fn residual(x: [f64; 6]) -> f64 {
-    (10.0 * (x[3] - x[2]) - 5.0 * (x[4] - x[1]) + (x[5] - x[0])) / 6.0
+    undivided(x) / DIVISOR_OF_RESIDUAL
 }
+
+/// Six times the residual.
+#[inline(always)]
+fn undivided(x: [f64; 6]) -> f64 {
+    10.0 * (x[3] - x[2]) - 5.0 * (x[4] - x[1]) + (x[5] - x[0])
+}
+
+const DIVISOR_OF_RESIDUAL: f64 = 6.0;
 
 /// The residual of the cell that consists of `width` cells from `first` on, from increments round the loop.
 pub(super) fn of_cell(increments: &[f64], first: usize, width: usize) -> f64 {
