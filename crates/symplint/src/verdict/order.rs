@@ -293,18 +293,11 @@ fn misfit(data: &[Datum], exponent: f64, powers: &[i32]) -> f64 {
     // In units of the largest step, so that nothing overflows.
     let unit = data[data.len() - 1].0;
     let x: Vec<f64> = data.iter().map(|d| d.0 / unit).collect();
-    let reduced: Vec<f64> = data
-        .iter()
-        .zip(&x)
-        .map(|(d, x)| d.1 / x.powf(exponent))
-        .collect();
-    let noise: Vec<f64> = data
-        .iter()
-        .zip(&x)
-        .map(|(d, x)| d.2 / x.powf(exponent))
-        .collect();
-    let allowed: Vec<f64> = (noise.iter().enumerate())
-        .map(|(i, n)| MAX_RELATIVE_MISFIT * nearby(&reduced, i) + 3.0 * n)
+    let powers_of_x: Vec<f64> = x.iter().map(|x| x.powf(exponent)).collect();
+    let points = || data.iter().zip(&powers_of_x);
+    let reduced: Vec<f64> = points().map(|(d, power)| d.1 / power).collect();
+    let allowed: Vec<f64> = (points().enumerate())
+        .map(|(i, (d, power))| MAX_RELATIVE_MISFIT * nearby(&reduced, i) + 3.0 * (d.2 / power))
         .collect();
     // One point more than the terms and the exponent together.
     let powers = &powers[..(data.len() - 2).min(powers.len())];
@@ -317,11 +310,13 @@ fn misfit(data: &[Datum], exponent: f64, powers: &[i32]) -> f64 {
 /// Median size of the three values round `i`: their scale, even where one is near a sign change.
 fn nearby(values: &[f64], i: usize) -> f64 {
     let from = i.saturating_sub(1).min(values.len().saturating_sub(3));
-    let mut sizes: Vec<f64> = (values.iter().skip(from).take(3))
-        .map(|v| v.abs())
-        .collect();
+    let around = &values[from..(from + 3).min(values.len())];
+    let mut sizes = [f64::INFINITY; 3];
+    for (size, value) in sizes.iter_mut().zip(around) {
+        *size = value.abs();
+    }
     sizes.sort_by(f64::total_cmp);
-    sizes[sizes.len() / 2]
+    sizes[around.len() / 2]
 }
 
 /// Weighted least squares by orthogonal combinations of these powers of `x`: the fitted values.
