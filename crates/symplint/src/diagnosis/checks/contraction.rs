@@ -3,28 +3,26 @@
 use super::localise::{MAX_BOUNDARY_EVALUATIONS, MIN_HALVING_EVALUATIONS, contraction};
 use super::{GivenLoop, Runner};
 use crate::error::Error;
-use crate::evidence::{Check, LoopEvidence, LoopKind, OmissionReason};
+use crate::evidence::{Check, LoopEvidence, LoopKind, OmissionReason, StepEvidence};
 use crate::jacobian::JacobianEvidence;
 use crate::rules::Subject;
 
 impl Runner<'_> {
-    /// The loop without breaks whose integral changes most, and the step size at which it does.
-    pub(super) fn changed_loop(&self) -> Option<(&LoopEvidence, f64)> {
+    /// The loop without breaks whose integral changes most, and the step in which it does.
+    pub(super) fn changed_loop(&self) -> Option<(&LoopEvidence, &StepEvidence)> {
         let smooth = |found: &&LoopEvidence| {
             !found.winds
                 && found.steps.iter().all(|step| step.jump.is_none())
                 && found.shows_defect()
         };
-        let largest = |found: &LoopEvidence| {
-            let changes = found.steps.iter().filter(|step| step.is_significant());
-            changes
-                .map(|step| (step.defect.magnitude(), step.step_size))
-                .max_by(|a, b| a.0.total_cmp(&b.0))
+        let by_change = |a: &(_, &StepEvidence), b: &(_, &StepEvidence)| {
+            (a.1.defect.magnitude()).total_cmp(&b.1.defect.magnitude())
         };
-        (self.evidence.loops.iter().filter(smooth))
-            .filter_map(|found| Some((found, largest(found)?)))
-            .max_by(|a, b| a.1.0.total_cmp(&b.1.0))
-            .map(|(found, (_, h))| (found, h.unwrap_or(self.largest)))
+        let changes = self.evidence.loops.iter().filter(smooth).flat_map(|found| {
+            let changes = found.steps.iter().filter(|step| step.is_significant());
+            changes.map(move |step| (found, step))
+        });
+        changes.max_by(by_change)
     }
 
     /// If a loop integral changes and the Jacobian does not show why, tests whether the loop can be contracted in the
@@ -35,7 +33,7 @@ impl Runner<'_> {
         given: &GivenLoop<'_>,
     ) -> Result<(), Error> {
         let of_jacobian = self.evidence.jacobian.as_ref();
-        let Some((found, _)) = self.changed_loop().filter(|(found, _)| {
+        let Some((found, step)) = self.changed_loop().filter(|(found, _)| {
             !of_jacobian.is_some_and(JacobianEvidence::shows_defect)
                 && self.evidence.survey.singular.is_none()
                 && self.evidence.survey.degenerate_form.is_none()
@@ -48,12 +46,14 @@ impl Runner<'_> {
             self.omit(Check::Contraction, OmissionReason::BUDGET);
             return Ok(());
         }
+        let h = step.step_size.unwrap_or(self.largest);
+        let change = step.advanced - step.initial;
         let random = self
             .diagnostic
             .random_loop_of(found, &given.size, subject)?;
         let subject = subject.on(random.as_ref());
         subject.evaluator.begin_loop();
-        match contraction(subject, &given.size, self.largest) {
+        match contraction(subject, &given.size, h, change) {
             // A boundary was not resolved, as no more evaluations were left.
             Ok(None) if self.count.left() < MAX_BOUNDARY_EVALUATIONS => {
                 self.omit(Check::Contraction, OmissionReason::BUDGET);

@@ -73,7 +73,10 @@ impl Runner<'_> {
         let features = order.into_iter().map(|k| self.features[k]);
         let features = features.map(|(index, feature)| (index, JacobianPlace::Feature(feature)));
         let changed = self.changed_loop();
-        let roughest = changed.map(|(found, h)| (found.index, JacobianPlace::Roughest { h }));
+        let roughest = changed.map(|(found, step)| {
+            let h = step.step_size.unwrap_or(self.largest);
+            (found.index, JacobianPlace::Roughest { h })
+        });
         features.take(MAX_FEATURES).chain(roughest).collect()
     }
 

@@ -33,9 +33,9 @@ const CENTRE_OFFSET: f64 = 0.0917;
 pub(crate) const MAX_BOUNDARY_EVALUATIONS: usize = 4_000;
 
 /// Evaluations that the first halving takes, where boundaries are smooth.
-pub(crate) const MIN_HALVING_EVALUATIONS: usize = 2 * (12 + 15 * 4);
+pub(crate) const MIN_HALVING_EVALUATIONS: usize = 12 + 15 * 4;
 
-/// Follows the parts of the disc that carry the change of the loop integral, as long as they are few. `None` where
+/// Follows the parts of the disc that carry the change of the loop integral in a step of size `h`, as long as they are few. `None` if
 /// boundaries are not resolved.
 ///
 /// # Errors
@@ -44,6 +44,7 @@ pub(crate) fn contraction(
     subject: Subject<'_>,
     size: &LoopSize,
     h: f64,
+    change: f64,
 ) -> Result<Option<Contraction>, Error> {
     let mut centre = centre(subject.phase_loop)?;
     for (centre, radius) in centre.iter_mut().zip(&size.radius) {
@@ -66,16 +67,16 @@ pub(crate) fn contraction(
         s: [0.0, 1.0],
         r: [0.0, 1.0],
     };
-    let whole = patches.change(disc)?;
-    let is_little = |change: f64| change.abs() <= MAX_NEGLECTED_PART * whole.change.abs();
+    let is_little = |part: f64| part.abs() <= MAX_NEGLECTED_PART * change.abs();
+    // The boundary of the disc is the loop.
     let mut carrying = vec![Part {
         patch: disc,
-        change: whole.change,
+        change,
         area: 1.0,
     }];
-    for halving in 0..MAX_HALVINGS {
+    'halvings: for halving in 0..MAX_HALVINGS {
         let mut halves = Vec::new();
-        for part in &carrying {
+        for (k, part) in carrying.iter().enumerate() {
             let [first, second] = part.patch.halves(halving);
             let found = patches.change(first)?;
             if !found.uncertainty.is_some_and(is_little) {
@@ -98,9 +99,12 @@ pub(crate) fn contraction(
                     });
                 }
             }
-        }
-        if halves.len() > MAX_PATCHES {
-            break;
+            // Of each of these, one half at least is not little.
+            let others = carrying[k + 1..].iter();
+            let others = others.filter(|part| !is_little(0.5 * part.change)).count();
+            if halves.len() + others > MAX_PATCHES {
+                break 'halvings;
+            }
         }
         carrying = halves;
     }
