@@ -8,7 +8,7 @@ use symplint::state::{Rows, RowsMut};
 
 use super::field::FieldSolver;
 use super::line::GROUP;
-use super::place::{Locator, RunPlaces};
+use super::place::{Locator, Places};
 use super::polynomials::{CellPolynomials, add_particle, gradient_at};
 
 /// Particles of all samples that are kicked together, at most: their places are kept on the stack.
@@ -108,11 +108,11 @@ impl PairTable {
     }
 }
 
-/// The gradients at the particles of a run, by the matrices of a [`PairTable`].
+/// The gradients at particles, by the matrices of a [`PairTable`].
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx2", "x86_64+avx2"))]
 fn sum_pairs<const N: usize, const W: usize>(
     matrices: &[[[f64; N]; N]],
-    places: RunPlaces<'_, W>,
+    places: Places<'_, W>,
     weights: &[f64],
     gradients: &mut [[f64; W]],
 ) {

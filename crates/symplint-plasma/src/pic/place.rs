@@ -18,12 +18,12 @@ pub(super) const RUN: usize = 128;
 
 /// Where `W` samples have some particles.
 #[derive(Clone, Copy)]
-pub(super) struct RunPlaces<'a, const W: usize> {
+pub(super) struct Places<'a, const W: usize> {
     cells: &'a [u32],
     fractions: &'a [f64],
 }
 
-impl<'a, const W: usize> RunPlaces<'a, W> {
+impl<'a, const W: usize> Places<'a, W> {
     /// Particles of a run at most.
     pub(super) const MAX_PARTICLES: usize = RUN / W;
 
@@ -48,7 +48,7 @@ impl<'a, const W: usize> RunPlaces<'a, W> {
         let length = W * Self::MAX_PARTICLES;
         let runs = self.cells.chunks(length).zip(self.fractions.chunks(length));
         let firsts = (0..).step_by(Self::MAX_PARTICLES);
-        firsts.zip(runs.map(|(cells, fractions)| RunPlaces { cells, fractions }))
+        firsts.zip(runs.map(|(cells, fractions)| Places { cells, fractions }))
     }
 }
 
@@ -79,16 +79,17 @@ impl Locator {
         q: Rows<'_>,
         first: usize,
         particles: Range<usize>,
-        mut work: impl FnMut(usize, RunPlaces<'_, W>),
+        mut work: impl FnMut(usize, Places<'_, W>),
     ) {
         let (mut cells, mut fractions) = ([0; RUN], [0.0; RUN]);
-        for a in particles.clone().step_by(RunPlaces::<W>::MAX_PARTICLES) {
-            let end = particles.end.min(a + RunPlaces::<W>::MAX_PARTICLES);
+        for a in particles.clone().step_by(Places::<W>::MAX_PARTICLES) {
+            let end = particles.end.min(a + Places::<W>::MAX_PARTICLES);
             work(a, self.places(q, first, a..end, &mut cells, &mut fractions));
         }
     }
 
-    /// Finds where those samples have some particles, with memory for as many cells and fractions at least.
+    /// Where `W` samples, from `first` on, have these particles. `cells` and `fractions` are memory for `W` values of each particle at
+    /// least.
     #[inline]
     pub(super) fn places<'a, const W: usize>(
         &self,
@@ -97,26 +98,28 @@ impl Locator {
         particles: Range<usize>,
         cells: &'a mut [u32],
         fractions: &'a mut [f64],
-    ) -> RunPlaces<'a, W> {
+    ) -> Places<'a, W> {
         let len = W * particles.len();
         let (cells, fractions) = (&mut cells[..len], &mut fractions[..len]);
-        match q.as_slice().filter(|_| q.len() == W) {
-            Some(all) => self.locate(&all[W * particles.start..][..len], cells, fractions),
-            None => {
-                let mut x = [0.0; RUN];
-                let length = W * RunPlaces::<W>::MAX_PARTICLES;
-                let runs = cells.chunks_mut(length).zip(fractions.chunks_mut(length));
-                let firsts = particles.step_by(RunPlaces::<W>::MAX_PARTICLES);
-                for (start, (cells, fractions)) in firsts.zip(runs) {
-                    let x = &mut x[..cells.len()];
-                    for (x, a) in x.as_chunks_mut::<W>().0.iter_mut().zip(start..) {
+        let whole = q.as_slice().filter(|_| q.len() == W);
+        let length = W * Places::<W>::MAX_PARTICLES;
+        let runs = cells.chunks_mut(length).zip(fractions.chunks_mut(length));
+        let firsts = particles.step_by(Places::<W>::MAX_PARTICLES);
+        let mut x = [0.0; RUN];
+        for (start, (cells, fractions)) in firsts.zip(runs) {
+            let len = cells.len();
+            let x = match whole {
+                Some(all) => &all[W * start..][..len],
+                None => {
+                    for (x, a) in x[..len].as_chunks_mut::<W>().0.iter_mut().zip(start..) {
                         x.copy_from_slice(&q.row(a)[first..first + W]);
                     }
-                    self.locate(x, cells, fractions);
+                    &x[..len]
                 }
-            }
+            };
+            self.locate(x, cells, fractions);
         }
-        RunPlaces { cells, fractions }
+        Places { cells, fractions }
     }
 
     /// Some positions are at nodes, far out, or not finite: all of them one by one.

@@ -6,7 +6,7 @@ use symplint::state::{Rows, RowsMut, scratch};
 use super::by_functions::for_functions;
 use super::field::FieldSolver;
 use super::mesh::Mesh;
-use super::place::{Locator, RunPlaces};
+use super::place::{Locator, Places};
 use super::portions::Portions;
 use super::runs::{RunFunctions, Runs};
 
@@ -85,7 +85,7 @@ impl PlaneForce {
                 let table = &*table;
                 (self.portions).each::<2>(particles.clone(), p.reborrow(), &|portion, mut p| {
                     let rows = 2 * portion.start..2 * portion.end;
-                    let gather = |row: usize, places: RunPlaces<'_, 1>| {
+                    let gather = |row: usize, places: Places<'_, 1>| {
                         let at = [row - 2 * portion.start, sample];
                         gather(functions, len, places, table, tau, at, &mut p);
                     };
@@ -136,7 +136,7 @@ impl PlaneForce {
 fn deposit<const N: usize>(
     functions: RunFunctions<'_, N>,
     len: usize,
-    places: RunPlaces<'_, 1>,
+    places: Places<'_, 1>,
     weights: &[f64],
     table: &mut [f64],
 ) {
@@ -150,7 +150,7 @@ fn deposit<const N: usize>(
 fn gather<const N: usize>(
     functions: RunFunctions<'_, N>,
     len: usize,
-    places: RunPlaces<'_, 1>,
+    places: Places<'_, 1>,
     table: &[f64],
     tau: f64,
     [first_row, sample]: [usize; 2],
