@@ -1,6 +1,8 @@
 //! Whether a loop whose integral changes can be contracted in the domain of the map.
 
-use super::localise::{MAX_BOUNDARY_EVALUATIONS, MIN_HALVING_EVALUATIONS, contraction};
+use super::localise::{
+    MAX_BOUNDARY_EVALUATIONS, MAX_NEGLECTED_PART, MIN_HALVING_EVALUATIONS, contraction,
+};
 use super::{GivenLoop, Runner};
 use crate::error::Error;
 use crate::evidence::{Check, LoopEvidence, LoopKind, OmissionReason, StepEvidence};
@@ -25,6 +27,11 @@ impl Runner<'_> {
         changes.max_by(by_change)
     }
 
+    /// The size of a step; the largest if none was stated.
+    pub(super) fn size_of(&self, step: &StepEvidence) -> f64 {
+        step.step_size.unwrap_or(self.largest)
+    }
+
     /// If a loop integral changes and the Jacobian does not show why, tests whether the loop can be contracted in the
     /// domain of the map.
     pub(super) fn contract(
@@ -46,14 +53,16 @@ impl Runner<'_> {
             self.omit(Check::Contraction, OmissionReason::BUDGET);
             return Ok(());
         }
-        let h = step.step_size.unwrap_or(self.largest);
-        let change = step.advanced - step.initial;
+        let h = self.size_of(step);
+        let defect = &step.defect;
+        let known = (defect.uncertainty() <= MAX_NEGLECTED_PART * defect.magnitude())
+            .then_some(step.advanced - step.initial);
         let random = self
             .diagnostic
             .random_loop_of(found, &given.size, subject)?;
         let subject = subject.on(random.as_ref());
         subject.evaluator.begin_loop();
-        match contraction(subject, &given.size, h, change) {
+        match contraction(subject, &given.size, h, known) {
             // A boundary was not resolved, as no more evaluations were left.
             Ok(None) if self.count.left() < MAX_BOUNDARY_EVALUATIONS => {
                 self.omit(Check::Contraction, OmissionReason::BUDGET);

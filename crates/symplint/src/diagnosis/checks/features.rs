@@ -74,7 +74,7 @@ impl Runner<'_> {
         let features = features.map(|(index, feature)| (index, JacobianPlace::Feature(feature)));
         let changed = self.changed_loop();
         let roughest = changed.map(|(found, step)| {
-            let h = step.step_size.unwrap_or(self.largest);
+            let h = self.size_of(step);
             (found.index, JacobianPlace::Roughest { h })
         });
         features.take(MAX_FEATURES).chain(roughest).collect()

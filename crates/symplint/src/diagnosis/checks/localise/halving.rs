@@ -18,7 +18,7 @@ const MAX_HALVINGS: usize = 12;
 
 /// Patches that change by this part of the whole change, or less, are left out: in twelve halvings of four patches
 /// no more than a tenth of it.
-const MAX_NEGLECTED_PART: f64 = 0.002;
+pub(crate) const MAX_NEGLECTED_PART: f64 = 0.002;
 
 /// Patches that carry the change at most. A defect that is spread over the disc doubles them with every halving.
 const MAX_PATCHES: usize = 4;
@@ -33,10 +33,10 @@ const CENTRE_OFFSET: f64 = 0.0917;
 pub(crate) const MAX_BOUNDARY_EVALUATIONS: usize = 4_000;
 
 /// Evaluations that the first halving takes, where boundaries are smooth.
-pub(crate) const MIN_HALVING_EVALUATIONS: usize = 12 + 15 * 4;
+pub(crate) const MIN_HALVING_EVALUATIONS: usize = 2 * (12 + 15 * 4);
 
-/// Follows the parts of the disc that carry the change of the loop integral in a step of size `h`, as long as they are few. `None` if
-/// boundaries are not resolved.
+/// Follows the parts of the disc that carry the change of the loop integral in a step of size `h`, as long as they are few. The change is
+/// measured if it is not known. `None` if boundaries are not resolved.
 ///
 /// # Errors
 /// Those of the map within the loop.
@@ -44,7 +44,7 @@ pub(crate) fn contraction(
     subject: Subject<'_>,
     size: &LoopSize,
     h: f64,
-    change: f64,
+    known: Option<f64>,
 ) -> Result<Option<Contraction>, Error> {
     let mut centre = centre(subject.phase_loop)?;
     for (centre, radius) in centre.iter_mut().zip(&size.radius) {
@@ -67,8 +67,12 @@ pub(crate) fn contraction(
         s: [0.0, 1.0],
         r: [0.0, 1.0],
     };
-    let is_little = |part: f64| part.abs() <= MAX_NEGLECTED_PART * change.abs();
     // The boundary of the disc is the loop.
+    let change = match known {
+        Some(change) => change,
+        None => patches.change(disc)?.change,
+    };
+    let is_little = |part: f64| part.abs() <= MAX_NEGLECTED_PART * change.abs();
     let mut carrying = vec![Part {
         patch: disc,
         change,
@@ -99,7 +103,7 @@ pub(crate) fn contraction(
                     });
                 }
             }
-            // Of each of these, one half at least is not little.
+            // Parts that are still to be halved: if half of the change of one is not little, one of its halves is not.
             let others = carrying[k + 1..].iter();
             let others = others.filter(|part| !is_little(0.5 * part.change)).count();
             if halves.len() + others > MAX_PATCHES {
