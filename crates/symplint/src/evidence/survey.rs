@@ -142,6 +142,15 @@ pub struct SingularJacobian {
     pub degenerate: Option<Rank>,
 }
 
+impl SingularJacobian {
+    /// The smallest singular value; 0 if it is rounding of the largest. Their squares were computed: what rounding makes of one that is 0
+    /// depends on the processor.
+    pub(crate) fn known_smallest(&self) -> f64 {
+        let is_rounding = self.smallest <= f64::EPSILON.sqrt() * self.largest;
+        if is_rounding { 0.0 } else { self.smallest }
+    }
+}
+
 /// The rank of a matrix.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Rank {

@@ -65,7 +65,7 @@ impl Case<'_> {
             .filter_map(|found| Some((found.index, largest_defect(found)?)))
             .max_by(|a, b| a.1.total_cmp(&b.1));
         let because = Finding::Domain(DomainFinding::Projects {
-            smallest: singular.smallest,
+            smallest: singular.known_smallest(),
             given: bound(given),
             beside,
         });
@@ -137,7 +137,7 @@ impl Case<'_> {
             .find(|found| found.kind == LoopKind::Image)
             .filter(|image| image.is_bounded() && !image.shows_defect())?;
         let because = Finding::Domain(DomainFinding::LoopBesideManifold {
-            smallest: singular.smallest,
+            smallest: singular.known_smallest(),
             first: largest_defect(given)?,
             second: bound(image)?,
         });
