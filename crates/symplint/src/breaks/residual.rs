@@ -182,10 +182,10 @@ const WIDE_REACH: usize = 13;
 
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx2", "x86_64+avx2"))]
 fn any_may_jump(row: &[f64], floor: f64) -> bool {
-    /// Cells that are looked at together. Their residuals are all stored before they are compared with those of their neighbours: to load a
-    /// vector that was just stored in parts takes long.
+    /// Cells whose residuals are computed together. All are stored before they are compared with those of their neighbours: a processor
+    /// waits if it loads a vector whose numbers it has just stored one by one.
     const AT_ONCE: usize = 16 * GROUP;
-    // What residuals differ by that are rounded in another order is less than half of the floor. They are compared before they are divided.
+    // Rounding in another order changes a residual by less than half of the floor. Residuals are not divided yet.
     let slack = 0.5 * DIVISOR_OF_RESIDUAL * floor;
     let larger = |a: f64, b: f64| if a > b { a } else { b };
     let (mut narrow, mut wide) = ([0.0; AT_ONCE], [0.0; AT_ONCE + 3]);

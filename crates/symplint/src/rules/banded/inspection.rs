@@ -80,15 +80,15 @@ pub(super) type QWindows = Windows<{ P_STRIDE / Q_STRIDE }>;
 /// Sums over the windows of p.
 pub(super) type PWindows = Windows<1>;
 
-/// Sums over spans of samples, one every [`P_STRIDE`] samples, of so many windows [`Q_STRIDE`] apart.
+/// Sums over spans of samples. A span begins every [`P_STRIDE`] samples, and has this number of windows, [`Q_STRIDE`] apart.
 pub(super) struct Windows<const COUNT: usize> {
     spans: usize,
     /// Squares of the differences, and the largest.
     differences: [f64; COUNT],
     largest: [f64; COUNT],
-    /// Squares of the increments up to the samples in the middle of the first window.
+    /// Squares of the increments up to the samples in the middle of the first window of each span.
     steps: [f64; LANES],
-    /// These samples, from the first of the row, their squares, and the largest size.
+    /// The values of these samples, less the first of the row, their squares, and the largest size.
     values: [f64; LANES],
     squares: [f64; LANES],
     sizes: [f64; LANES],
@@ -123,7 +123,8 @@ impl<const COUNT: usize> Windows<COUNT> {
 
     /// Adds the spans that go round the end of the row, and says what all show; `None` if it is more than rounding.
     pub fn close(mut self, row: &[f64]) -> Option<Inspection> {
-        const ENDS: usize = 2 * (WINDOW + Q_STRIDE) + P_STRIDE;
+        /// Two spans of q.
+        const ENDS: usize = P_STRIDE + QWindows::SPAN;
         let done = self.spans * P_STRIDE;
         let ends: [f64; ENDS] = round_end(row, done);
         let others = (row.len() - done).div_ceil(P_STRIDE);

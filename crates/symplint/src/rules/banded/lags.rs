@@ -44,7 +44,7 @@ pub(super) fn add_lags_of_ends(q: &[f64], p: &[f64], done: usize, sums: &mut [f6
     let count = q.len() - end + start;
     let q_ends: [f64; ENDS + 2 * REACH] = round_end(q, end - REACH);
     let mut p_ends: [f64; ENDS + 2 * REACH] = round_end(p, end - REACH);
-    // For a sample without a neighbour there, p is the one that all are counted from, and adds nothing.
+    // The samples behind these are in a run. With the p that all are counted from, they add nothing.
     p_ends[REACH + count..].fill(p[0]);
     add(
         sums,

@@ -5,8 +5,8 @@
 //! shortest wavelength is integrated to rounding.
 //!
 //! The rule answers only for rows whose samples show nothing but rounding above that ([`Inspection`]): no noise, no jump, no kink, no
-//! mode that a difference misses. All others are left to the transform, which says what they are like. A row is read once, a run of
-//! samples at a time: inspected and summed while it is in the cache, and left at the first run that is rough. Registers of any width give
+//! mode that a difference misses. All others are left to the transform, which says what they are like. A row is read once,
+//! unless the higher order is needed: a run of samples is inspected and summed while it is in the cache, and a rough one ends it. Registers of any width give
 //! the same bits: sums run in [`LANES`] lanes, and no multiplication is fused with an addition.
 
 mod inspection;
@@ -300,6 +300,25 @@ mod tests {
             taken > 1000 && beyond < taken / 100,
             "{beyond} of {taken} are beyond their error"
         );
+    }
+
+    #[test]
+    fn a_jump_in_any_cell_is_seen() {
+        for samples in 512..546 {
+            let smooth = row(samples, |s| (TAU * s).sin());
+            let other = row(samples, |s| (TAU * s).cos());
+            for cell in 0..samples {
+                // A slope round the loop, and back in one cell.
+                let slope = |k: usize| ((k + samples - cell) % samples) as f64 / samples as f64;
+                let jumping: Vec<f64> = (smooth.iter().enumerate())
+                    .map(|(k, x)| x + 1e-10 * slope(k))
+                    .collect();
+                assert!(
+                    integrate(&jumping, &other, 0.0).is_none(),
+                    "{samples}, {cell}"
+                );
+            }
+        }
     }
 
     #[test]
