@@ -399,7 +399,7 @@ fn loops_off_the_manifold_of_a_projection_do_not_decide() {
     evidence.survey.singular = Some(singular);
     assert_eq!(kind(&evidence), Undecided);
     assert_eq!(judge(&evidence).advice, [Advice::Project]);
-    // What is left of a smaller one is rounding.
+    // A smaller one is rounding.
     for (value, smallest) in [(1e-7, 1e-7), (1e-9, 0.0)] {
         let mut evidence = evidence.clone();
         evidence.survey.singular = Some(SingularJacobian {
