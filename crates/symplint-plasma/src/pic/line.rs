@@ -235,7 +235,7 @@ fn deposit<C: Carrier, const W: usize>(
     }
 }
 
-/// p −= τ × the gradients at the particles of a run, by the tables of their samples. The first particle and sample are this row of `p` and
+/// p −= τ × the gradients at particles, a run at most, by the tables of their samples. The first particle and sample are this row of `p` and
 /// this place of it. All gradients are stored before they are subtracted: a processor waits if it loads a vector whose numbers it
 /// has just stored one by one.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx2", "x86_64+avx2"))]

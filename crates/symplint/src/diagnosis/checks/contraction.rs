@@ -1,8 +1,6 @@
 //! Whether a loop whose integral changes can be contracted in the domain of the map.
 
-use super::localise::{
-    MAX_BOUNDARY_EVALUATIONS, MAX_NEGLECTED_PART, MIN_HALVING_EVALUATIONS, contraction,
-};
+use super::localise::{MAX_BOUNDARY_EVALUATIONS, MIN_HALVING_EVALUATIONS, contraction};
 use super::{GivenLoop, Runner};
 use crate::error::Error;
 use crate::evidence::{Check, LoopEvidence, LoopKind, OmissionReason, StepEvidence};
@@ -53,16 +51,12 @@ impl Runner<'_> {
             self.omit(Check::Contraction, OmissionReason::BUDGET);
             return Ok(());
         }
-        let h = self.size_of(step);
-        let defect = &step.defect;
-        let known = (defect.uncertainty() <= MAX_NEGLECTED_PART * defect.magnitude())
-            .then_some(step.advanced - step.initial);
         let random = self
             .diagnostic
             .random_loop_of(found, &given.size, subject)?;
         let subject = subject.on(random.as_ref());
         subject.evaluator.begin_loop();
-        match contraction(subject, &given.size, h, known) {
+        match contraction(subject, &given.size, self.size_of(step), step) {
             // A boundary was not resolved, as no more evaluations were left.
             Ok(None) if self.count.left() < MAX_BOUNDARY_EVALUATIONS => {
                 self.omit(Check::Contraction, OmissionReason::BUDGET);

@@ -9,7 +9,7 @@
 use super::patch::{Patch, Patches};
 use super::sectors::centre;
 use crate::error::Error;
-use crate::evidence::Contraction;
+use crate::evidence::{Contraction, StepEvidence};
 use crate::map::LoopSize;
 use crate::rules::{Piecewise, Subject};
 
@@ -18,7 +18,7 @@ const MAX_HALVINGS: usize = 12;
 
 /// Patches that change by this part of the whole change, or less, are left out: in twelve halvings of four patches
 /// no more than a tenth of it.
-pub(crate) const MAX_NEGLECTED_PART: f64 = 0.002;
+const MAX_NEGLECTED_PART: f64 = 0.002;
 
 /// Patches that carry the change at most. A defect that is spread over the disc doubles them with every halving.
 const MAX_PATCHES: usize = 4;
@@ -35,8 +35,8 @@ pub(crate) const MAX_BOUNDARY_EVALUATIONS: usize = 4_000;
 /// Evaluations that the first halving takes, where boundaries are smooth.
 pub(crate) const MIN_HALVING_EVALUATIONS: usize = 2 * (12 + 15 * 4);
 
-/// Follows the parts of the disc that carry the change of the loop integral in a step of size `h`, as long as they are few. The change is
-/// measured if it is not known. `None` if boundaries are not resolved.
+/// Follows the parts of the disc that carry the change of the loop integral in `step`, of size `h`, as long as they are few. The change is
+/// measured again if it is not known well enough. `None` if boundaries are not resolved.
 ///
 /// # Errors
 /// Those of the map within the loop.
@@ -44,7 +44,7 @@ pub(crate) fn contraction(
     subject: Subject<'_>,
     size: &LoopSize,
     h: f64,
-    known: Option<f64>,
+    step: &StepEvidence,
 ) -> Result<Option<Contraction>, Error> {
     let mut centre = centre(subject.phase_loop)?;
     for (centre, radius) in centre.iter_mut().zip(&size.radius) {
@@ -68,9 +68,10 @@ pub(crate) fn contraction(
         r: [0.0, 1.0],
     };
     // The boundary of the disc is the loop.
-    let change = match known {
-        Some(change) => change,
-        None => patches.change(disc)?.change,
+    let is_known = step.defect.uncertainty() <= MAX_NEGLECTED_PART * step.defect.magnitude();
+    let change = match is_known {
+        true => step.advanced - step.initial,
+        false => patches.change(disc)?.change,
     };
     let is_little = |part: f64| part.abs() <= MAX_NEGLECTED_PART * change.abs();
     let mut carrying = vec![Part {

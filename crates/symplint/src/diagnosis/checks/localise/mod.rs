@@ -5,9 +5,7 @@ mod patch;
 mod sectors;
 mod substeps;
 
-pub(super) use halving::{
-    MAX_BOUNDARY_EVALUATIONS, MAX_NEGLECTED_PART, MIN_HALVING_EVALUATIONS, contraction,
-};
+pub(super) use halving::{MAX_BOUNDARY_EVALUATIONS, MIN_HALVING_EVALUATIONS, contraction};
 
 pub(super) use sectors::MIN_SECTOR_EVALUATIONS;
 
