@@ -287,22 +287,32 @@ fn exponents(from: f64, to: f64) -> impl DoubleEndedIterator<Item = f64> {
         .map(move |n| from + n as f64 * EXPONENT_STEP)
 }
 
+/// A number for each point of a fit, one more than [`MAX_POINTS`] at most, as differences are between two of them. Other points have
+/// the weight 0.
+type Values = [f64; MAX_POINTS + 1];
+
 /// How badly E/h^k is a sum of these powers of h (fewer with few points): the largest residual over
 /// what it may be, 1 or less if the law holds.
 fn misfit(data: &[Datum], exponent: f64, powers: &[i32]) -> f64 {
     // In units of the largest step, so that nothing overflows.
     let unit = data[data.len() - 1].0;
-    let x: Vec<f64> = data.iter().map(|d| d.0 / unit).collect();
-    let powers_of_x: Vec<f64> = x.iter().map(|x| x.powf(exponent)).collect();
-    let points = || data.iter().zip(&powers_of_x);
-    let reduced: Vec<f64> = points().map(|(d, power)| d.1 / power).collect();
-    let allowed: Vec<f64> = (points().enumerate())
-        .map(|(i, (d, power))| MAX_RELATIVE_MISFIT * nearby(&reduced, i) + 3.0 * (d.2 / power))
-        .collect();
+    let mut x: Values = [1.0; MAX_POINTS + 1];
+    let [mut powers_of_x, mut reduced, mut allowed, mut weights] = [Values::default(); 4];
+    for (i, &(h, defect, _)) in data.iter().enumerate() {
+        x[i] = h / unit;
+        powers_of_x[i] = x[i].powf(exponent);
+        reduced[i] = defect / powers_of_x[i];
+    }
+    for (i, datum) in data.iter().enumerate() {
+        let scale = nearby(&reduced[..data.len()], i);
+        allowed[i] = MAX_RELATIVE_MISFIT * scale + 3.0 * (datum.2 / powers_of_x[i]);
+        weights[i] = 1.0 / (allowed[i] * allowed[i]);
+    }
     // One point more than the terms and the exponent together.
     let powers = &powers[..(data.len() - 2).min(powers.len())];
-    let fitted = combination(&x, &reduced, &allowed, powers);
+    let fitted = combination(&x, &reduced, &weights, powers);
     (reduced.iter().zip(&fitted).zip(&allowed))
+        .take(data.len())
         .map(|((r, f), a)| (r - f).abs() / a)
         .fold(0.0, f64::max)
 }
@@ -319,31 +329,27 @@ fn nearby(values: &[f64], i: usize) -> f64 {
     sizes[around.len() / 2]
 }
 
-/// Weighted least squares by orthogonal combinations of these powers of `x`: the fitted values.
-fn combination(x: &[f64], y: &[f64], errors: &[f64], powers: &[i32]) -> Vec<f64> {
-    let weights: Vec<f64> = errors.iter().map(|e| 1.0 / (e * e)).collect();
-    let dot = |a: &[f64], b: &[f64]| -> f64 {
-        (a.iter().zip(b).zip(&weights))
+/// Weighted least squares by orthogonal combinations of these powers of `x`, three at most: the fitted values.
+fn combination(x: &Values, y: &Values, weights: &Values, powers: &[i32]) -> Values {
+    let dot = |a: &Values, b: &Values| -> f64 {
+        (a.iter().zip(b).zip(weights))
             .map(|((a, b), w)| a * b * w)
             .sum()
     };
-    let mut basis: Vec<Vec<f64>> = Vec::new();
-    let mut fitted = vec![0.0; x.len()];
-    for &power in powers {
-        let mut column: Vec<f64> = x.iter().map(|x| x.powi(power)).collect();
-        for other in &basis {
-            let share = dot(&column, other) / dot(other, other);
-            column
-                .iter_mut()
-                .zip(other)
-                .for_each(|(c, o)| *c -= share * o);
+    let add_multiple = |sum: &mut Values, factor: f64, column: &Values| {
+        (sum.iter_mut().zip(column)).for_each(|(sum, value)| *sum += factor * value);
+    };
+    let mut basis = [(Values::default(), 0.0); 3];
+    let mut fitted = Values::default();
+    for (n, &power) in powers.iter().enumerate() {
+        let mut column = x.map(|x| x.powi(power));
+        for (other, square) in &basis[..n] {
+            let share = dot(&column, other) / square;
+            add_multiple(&mut column, -share, other);
         }
-        let share = dot(y, &column) / dot(&column, &column);
-        fitted
-            .iter_mut()
-            .zip(&column)
-            .for_each(|(f, c)| *f += share * c);
-        basis.push(column);
+        let square = dot(&column, &column);
+        add_multiple(&mut fitted, dot(y, &column) / square, &column);
+        basis[n] = (column, square);
     }
     fitted
 }
