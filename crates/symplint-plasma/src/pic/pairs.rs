@@ -7,9 +7,8 @@ use multiversion::multiversion;
 use symplint::state::{Rows, RowsMut};
 
 use super::field::FieldSolver;
-use super::line::GROUP;
 use super::place::{Locator, Places};
-use super::polynomials::{CellPolynomials, add_particle, gradient_at};
+use super::polynomials::{CellPolynomials, add_particle};
 
 /// Particles of all samples that are kicked together, at most: their places are kept on the stack.
 const PLACES: usize = 64;
@@ -72,13 +71,28 @@ impl PairTable {
         q: Rows<'_>,
         p: &mut RowsMut<'_>,
     ) {
-        let are_few = GROUP * weights.len() <= PLACES;
-        let whole = if are_few { q.len() / GROUP * GROUP } else { 0 };
-        for first in (0..whole).step_by(GROUP) {
-            self.kick_group::<N, GROUP>(locator, weights, tau, first, q, p);
+        let mut done = 0;
+        match PLACES / weights.len().max(1) {
+            32.. => self.kick_groups::<N, 32>(locator, weights, tau, &mut done, q, p),
+            8.. => self.kick_groups::<N, 8>(locator, weights, tau, &mut done, q, p),
+            _ => {}
         }
-        for first in whole..q.len() {
-            self.kick_group::<N, 1>(locator, weights, tau, first, q, p);
+        self.kick_groups::<N, 1>(locator, weights, tau, &mut done, q, p);
+    }
+
+    /// Kicks the samples from `first` on, `W` at a time, as long as there are as many.
+    fn kick_groups<const N: usize, const W: usize>(
+        &self,
+        locator: &Locator,
+        weights: &[f64],
+        tau: f64,
+        first: &mut usize,
+        q: Rows<'_>,
+        p: &mut RowsMut<'_>,
+    ) {
+        while *first + W <= q.len() {
+            self.kick_group::<N, W>(locator, weights, tau, *first, q, p);
+            *first += W;
         }
     }
 
@@ -135,7 +149,9 @@ fn sum_pairs<const N: usize, const W: usize>(
                     &mut gradient,
                 );
             }
-            gradients[sample] = gradient_at::<N>(&gradient, 1, 0, fractions[sample]);
+            // With the last power, which is 0: all of them fill a vector.
+            let powers = gradient.iter().rev();
+            gradients[sample] = powers.fold(0.0, |sum, power| sum * fractions[sample] + power);
         }
     }
 }
