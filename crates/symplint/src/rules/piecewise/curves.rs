@@ -55,7 +55,7 @@ impl CurvePoint {
 #[derive(Clone)]
 pub(super) struct PointImage {
     /// One state after the other: positions, then momenta.
-    states: Arc<Vec<f64>>,
+    states: Arc<[f64]>,
     /// Coordinates of a state.
     width: usize,
     /// The start of the first state.
@@ -150,10 +150,11 @@ impl Curves<'_> {
             true => 0,
             false => different.len(),
         };
-        Ok((
-            indices.into_iter().map(|k| images[k].clone()).collect(),
-            evaluations,
-        ))
+        let images = match different.len() == points.len() {
+            true => images,
+            false => indices.into_iter().map(|k| images[k].clone()).collect(),
+        };
+        Ok((images, evaluations))
     }
 
     fn images_of_each(
@@ -174,29 +175,27 @@ impl Curves<'_> {
         let at = |error: Error| error.at(position);
         states.check_finite(None).map_err(at)?;
         let substeps = self.evaluator.substeps();
-        let numbers = 2 * self.dof() * (substeps - substep + 1);
-        let begin = |first: usize, samples: usize| {
-            let states = (0..samples).map(|_| Vec::with_capacity(numbers));
-            (first, states.collect::<Vec<Vec<f64>>>())
-        };
-        type Visits = (usize, Vec<Vec<f64>>);
-        let visit = |(first, images): &mut Visits, substep: usize, block: &mut Block<'_>| {
-            if substep == substeps {
-                for (sample, point) in points[*first..][..block.len()].iter().enumerate() {
-                    self.unwrap(block, sample, point);
+        let width = 2 * self.dof();
+        let numbers = width * (substeps - substep + 1);
+        let begin = |first: usize, samples: usize| (first, vec![0.0; samples * numbers]);
+        let visit =
+            |(first, images): &mut (usize, Vec<f64>), next: usize, block: &mut Block<'_>| {
+                if next == substeps {
+                    for (sample, point) in points[*first..][..block.len()].iter().enumerate() {
+                        self.unwrap(block, sample, point);
+                    }
                 }
-            }
-            append_states(images, block);
-        };
+                write_states(images, numbers, width * (next - substep), block);
+            };
         let images = (self.evaluator)
             .advance_substeps(&mut states, substep, self.h, begin, visit)
             .map_err(at)?;
-        let image = |states| PointImage {
-            states: Arc::new(states),
-            width: 2 * self.dof(),
+        let image = |states: &[f64]| PointImage {
+            states: states.into(),
+            width,
             start: 0,
         };
-        let each = images.into_iter().flat_map(|(_, images)| images);
+        let each = (images.iter()).flat_map(|(_, images)| images.chunks_exact(numbers.max(1)));
         Ok(each.map(image).collect())
     }
 
@@ -213,8 +212,8 @@ impl Curves<'_> {
     }
 }
 
-/// Appends the state of each sample of a block to what is known of the sample.
-fn append_states(images: &mut [Vec<f64>], block: &Block<'_>) {
+/// Writes the state of each sample of a block to its `numbers`, from `start` on.
+fn write_states(images: &mut [f64], numbers: usize, start: usize, block: &Block<'_>) {
     /// Samples that are taken out of the rows together: four cache lines of a row, which lie one after the other.
     const SAMPLES_TOGETHER: usize = 32;
     let tables = [block.q.as_rows(), block.p.as_rows()];
@@ -222,18 +221,21 @@ fn append_states(images: &mut [Vec<f64>], block: &Block<'_>) {
         .flat_map(|rows| (0..rows.count()).map(|i| rows.row(i)))
         .collect();
     let mut tile = [[0.0; CACHE_LINE]; SAMPLES_TOGETHER];
-    for (together, images) in images.chunks_mut(SAMPLES_TOGETHER).enumerate() {
+    let chunks = images.chunks_mut((SAMPLES_TOGETHER * numbers).max(1));
+    for (together, images) in chunks.enumerate() {
         let first = together * SAMPLES_TOGETHER;
-        for rows in rows.chunks(CACHE_LINE) {
+        let samples = images.len() / numbers;
+        for (chunk, rows) in rows.chunks(CACHE_LINE).enumerate() {
             for (i, row) in rows.iter().enumerate() {
-                let values = &row[first..first + images.len()];
+                let values = &row[first..first + samples];
                 (tile.iter_mut().zip(values)).for_each(|(line, value)| line[i] = *value);
             }
-            for (image, line) in images.iter_mut().zip(&tile) {
-                match rows.len() {
+            for (image, line) in images.chunks_exact_mut(numbers).zip(&tile) {
+                let image = &mut image[start + chunk * CACHE_LINE..][..rows.len()];
+                match image.first_chunk_mut() {
                     // Of a known length, it is two instructions.
-                    CACHE_LINE => image.extend_from_slice(line),
-                    rest => image.extend_from_slice(&line[..rest]),
+                    Some(image) => *image = *line,
+                    None => image.copy_from_slice(&line[..rows.len()]),
                 }
             }
         }
@@ -248,7 +250,8 @@ mod tests {
     fn images_have_the_coordinates_of_their_sample_at_each_stage() {
         let value = |stage: usize, c: usize, k: usize| (10_000 * stage + 100 * c + k) as f64;
         for (dof, samples) in [(1, 1), (3, 31), (4, 32), (5, 77)] {
-            let mut images = vec![Vec::new(); samples];
+            let numbers = 3 * 2 * dof;
+            let mut images = vec![0.0; samples * numbers];
             let mut states = Ensemble::zeros(dof, samples);
             for stage in 0..3 {
                 let mut block = states.block();
@@ -258,11 +261,11 @@ mod tests {
                         block.p.row_mut(i)[k] = value(stage, dof + i, k);
                     }
                 }
-                append_states(&mut images, &block);
+                write_states(&mut images, numbers, 2 * dof * stage, &block);
             }
-            for (k, states) in images.into_iter().enumerate() {
+            for (k, states) in images.chunks(numbers).enumerate() {
                 let image = PointImage {
-                    states: Arc::new(states),
+                    states: states.into(),
                     width: 2 * dof,
                     start: 0,
                 };

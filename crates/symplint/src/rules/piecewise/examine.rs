@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use multiversion::multiversion;
+use nalgebra::DMatrix;
 
 use super::fit::{PieceFit, ends_of_tail, fit, fit_all, turning_point};
 use super::jump::Jump;
@@ -409,10 +410,17 @@ impl<'a> View<'a> {
     fn kink(&self, gap: usize, steps: &[[f64; MAX_TERMS]], unexplained: f64) -> Option<[f64; 2]> {
         const POSITIONS: usize = 64;
         let (low, high) = (LOBATTO.nodes[gap], LOBATTO.nodes[gap + 1]);
+        let weighted = |c: usize, term: usize| self.scales.weight(c) * steps[c][term];
+        let matrix = DMatrix::from_fn(steps.len(), MAX_TERMS, weighted);
+        // A few polynomials with the same sum of squares as those of all coordinates.
+        let triangle = matrix.qr().r();
+        let rows = triangle.row_iter();
+        let rows: Vec<[f64; MAX_TERMS]> = rows
+            .map(|row| std::array::from_fn(|term| row[term]))
+            .collect();
         let square = |x: f64| {
-            let terms = steps.iter().enumerate();
-            terms
-                .map(|(c, step)| (self.scales.weight(c) * polynomial(step, x)).powi(2))
+            rows.iter()
+                .map(|row| polynomial(row, x).powi(2))
                 .sum::<f64>()
         };
         let at = |k: usize| low + (high - low) * k as f64 / POSITIONS as f64;

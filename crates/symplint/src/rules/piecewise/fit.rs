@@ -7,7 +7,7 @@ use super::limits::{
     MAX_TAIL_RATIO,
 };
 use super::lobatto::{
-    DEGREE, LOBATTO, NODES, POINTS, Values, derivative, evaluate, evaluate_each, tail_squared,
+    DEGREE, LOBATTO, NODES, POINTS, Values, derivative, evaluate_each, tail_squared,
 };
 use crate::signal::Extent;
 
@@ -102,6 +102,7 @@ fn decays(coefficients: &Values) -> bool {
 }
 
 /// The turning point of the interpolant, if it has one.
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx2", "x86_64+avx2"))]
 pub(super) fn turning_point(fit: &PieceFit) -> Option<f64> {
     let slopes = derivative(&fit.coefficients);
     let (mut low, mut high) = (-1.0, 1.0);
@@ -109,12 +110,15 @@ pub(super) fn turning_point(fit: &PieceFit) -> Option<f64> {
     if rising == to_rise {
         return None;
     }
-    for _ in 0..40 {
-        let middle = 0.5 * (low + high);
-        if (evaluate(&slopes, middle) > 0.0) == rising {
-            low = middle;
-        } else {
-            high = middle;
+    // To 1e-12: some sections at a time are as fast as one.
+    for _ in 0..13 {
+        let ends = std::array::from_fn(|k| low + (high - low) * (k + 1) as f64 / 9.0);
+        let slopes: [f64; 8] = evaluate_each(&slopes, &ends);
+        let turned = |slope: &f64| (*slope > 0.0) != rising;
+        match slopes.iter().position(turned) {
+            Some(0) => high = ends[0],
+            Some(k) => (low, high) = (ends[k - 1], ends[k]),
+            None => low = ends[7],
         }
     }
     Some(0.5 * (low + high))

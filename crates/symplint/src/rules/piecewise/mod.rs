@@ -225,16 +225,10 @@ impl Piecewise {
         let features = evaluator.features();
         let known: Vec<f64> = features.iter().map(|feature| feature.s).collect();
         let mut pieces = self.first_pieces(&known, most_evaluations);
-        let points: Vec<Vec<CurvePoint>> = pieces
-            .iter()
-            .map(|x| x.missing_points().collect())
-            .collect();
-        let (images, evaluations) = curves.images(&points.concat(), 0)?;
-        let mut rest = &images[..];
-        for (piece, points) in pieces.iter_mut().zip(&points) {
-            piece.fill(&rest[..points.len()]);
-            rest = &rest[points.len()..];
-        }
+        let points: Vec<CurvePoint> = pieces.iter().flat_map(Piece::missing_points).collect();
+        let (images, evaluations) = curves.images(&points, 0)?;
+        let mut images = images.into_iter();
+        pieces.iter_mut().for_each(|piece| piece.fill(&mut images));
         let at_nodes = pieces
             .iter()
             .flat_map(|piece| (0..lobatto::NODES).map(|k| piece.image(k)));

@@ -9,6 +9,21 @@ use super::limits::{
 use super::lobatto::{DEGREE, LOBATTO, NODES, POINTS};
 use super::scales::Scales;
 
+/// Which points belong to each of [`DEGREES`]: its nodes, and the checks.
+const IS_OF_LEVEL: [[bool; POINTS]; DEGREES.len()] = {
+    let mut is_of_level = [[true; POINTS]; DEGREES.len()];
+    let mut level = 0;
+    while level < DEGREES.len() {
+        let mut k = 0;
+        while k < NODES {
+            is_of_level[level][k] = k.is_multiple_of(DEGREE / DEGREES[level]);
+            k += 1;
+        }
+        level += 1;
+    }
+    is_of_level
+};
+
 /// A stretch [a, b] of a curve.
 #[derive(Clone)]
 pub(super) struct Piece {
@@ -133,10 +148,8 @@ impl Piece {
 
     /// Which of its points have to be evaluated before it can be looked at.
     pub fn missing(&self) -> impl Iterator<Item = usize> {
-        let stride = DEGREE / DEGREES[self.level];
-        (0..POINTS)
-            .filter(move |k| *k >= NODES || k.is_multiple_of(stride))
-            .filter(|&k| self.images[k].is_none())
+        let is_missing = |k: &usize| IS_OF_LEVEL[self.level][*k] && self.images[*k].is_none();
+        (0..POINTS).filter(is_missing)
     }
 
     /// Where they are.
@@ -146,10 +159,12 @@ impl Piece {
     }
 
     /// Takes their images in.
-    pub fn fill(&mut self, images: &[PointImage]) {
-        let missing: Vec<usize> = self.missing().collect();
-        for (k, image) in missing.into_iter().zip(images) {
-            self.images[k] = Some(image.clone());
+    pub fn fill(&mut self, mut images: impl Iterator<Item = PointImage>) {
+        let of_level = &IS_OF_LEVEL[self.level];
+        for (slot, _) in (self.images.iter_mut().zip(of_level)).filter(|(_, is_of)| **is_of) {
+            if slot.is_none() {
+                *slot = images.next();
+            }
         }
     }
 

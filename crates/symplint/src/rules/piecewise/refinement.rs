@@ -188,17 +188,21 @@ impl<'a> Refinement<'a> {
         if batch.iter().any(small) {
             self.learn_noise()?;
         }
-        let points: Vec<Vec<CurvePoint>> = batch.iter().map(Task::points).collect();
-        let images = self.images(&points.concat(), substep)?;
-        let mut rest = &images[..];
-        let mut work = Vec::with_capacity(batch.len());
-        for (task, points) in batch.into_iter().zip(&points) {
-            let (own, others) = rest.split_at(points.len());
-            work.push((task, own));
-            rest = others;
-        }
+        let mut points = Vec::new();
+        let ask = |task: &Task| {
+            let before = points.len();
+            task.ask(&mut points);
+            points.len() - before
+        };
+        let asked: Vec<usize> = batch.iter().map(ask).collect();
+        let images = self.images(&points, substep)?;
         // Each point is fitted in all coordinates.
-        let numbers = images.len().div_ceil(work.len().max(1)) * 2 * self.curves.dof() * DEGREE;
+        let numbers = images.len().div_ceil(batch.len().max(1)) * 2 * self.curves.dof() * DEGREE;
+        let mut rest = images.into_iter();
+        let own = asked
+            .iter()
+            .map(|asked| rest.by_ref().take(*asked).collect());
+        let work: Vec<(Task, Vec<PointImage>)> = batch.into_iter().zip(own).collect();
         let outcomes = in_parallel(work, numbers, |(task, images)| self.proceed(task, images));
         if outcomes.iter().any(|outcome| outcome.noisy) {
             self.learn_noise()?;
@@ -287,10 +291,10 @@ impl<'a> Refinement<'a> {
         Ok(())
     }
 
-    fn proceed(&self, task: Task, images: &[PointImage]) -> Outcome {
+    fn proceed(&self, task: Task, images: Vec<PointImage>) -> Outcome {
         match task {
             Task::Look(mut piece) => {
-                piece.fill(images);
+                piece.fill(images.into_iter());
                 self.look(piece)
             }
             Task::Halve(mut jump) => match jump.halve(images[0].clone(), self.coordinates) {
@@ -303,13 +307,13 @@ impl<'a> Refinement<'a> {
                 },
             },
             Task::Confirm(mut jump) => {
-                jump.look(images, self.coordinates);
+                jump.look(&images, self.coordinates);
                 self.confirm(jump)
             }
             Task::CheckTurningPoints(piece, smooth, turning) => {
-                self.check_turning_points(*piece, *smooth, &turning, images)
+                self.check_turning_points(*piece, *smooth, &turning, &images)
             }
-            Task::EstimateNoise(piece) => self.explain_by_noise(piece, images),
+            Task::EstimateNoise(piece) => self.explain_by_noise(piece, &images),
         }
     }
 

@@ -53,18 +53,21 @@ pub(super) enum FinishedPiece {
 }
 
 impl Task {
-    /// The states it asks for.
-    pub fn points(&self) -> Vec<CurvePoint> {
+    /// Adds the states it asks for.
+    pub fn ask(&self, points: &mut Vec<CurvePoint>) {
         match self {
-            Task::Look(piece) => piece.missing_points().collect(),
-            Task::Halve(jump) => vec![CurvePoint::on(jump.piece.curve, jump.bracket.middle())],
-            Task::Confirm(jump) => jump.surroundings().collect(),
-            Task::CheckTurningPoints(piece, _, turning) => {
-                let curve = piece.curve;
-                let points = turning.expected.iter();
-                points.map(|&(s, _)| CurvePoint::on(curve, s)).collect()
+            Task::Look(piece) => points.extend(piece.missing_points()),
+            Task::Halve(jump) => {
+                points.push(CurvePoint::on(jump.piece.curve, jump.bracket.middle()));
             }
-            Task::EstimateNoise(piece) => noise::points(piece.curve, [piece.a, piece.b]).collect(),
+            Task::Confirm(jump) => points.extend(jump.surroundings()),
+            Task::CheckTurningPoints(piece, _, turning) => {
+                let expected = turning.expected.iter();
+                points.extend(expected.map(|&(s, _)| CurvePoint::on(piece.curve, s)));
+            }
+            Task::EstimateNoise(piece) => {
+                points.extend(noise::points(piece.curve, [piece.a, piece.b]));
+            }
         }
     }
 
