@@ -196,6 +196,12 @@ fn any_may_jump(row: &[f64], floor: f64) -> bool {
         for (residual, x) in narrow.iter_mut().zip(row[first + 4..].windows(6)) {
             *residual = undivided([x[0], x[1], x[2], x[3], x[4], x[5]]).abs();
         }
+        let stands_out = |narrow: &f64| *narrow > slack;
+        let standing_out =
+            (narrow.iter()).fold(0, |any, narrow| any | u64::from(stands_out(narrow)));
+        if standing_out == 0 {
+            continue;
+        }
         // Double cells around each of the cells.
         let wide = &mut wide[..count + 3];
         for (residual, x) in wide.iter_mut().zip(row[first..].windows(11)) {
@@ -204,9 +210,8 @@ fn any_may_jump(row: &[f64], floor: f64) -> bool {
         let mut jumps = 0;
         for (narrow, wide) in narrow.iter().zip(wide.windows(4)) {
             let around = larger(larger(wide[0], wide[1]), larger(wide[2], wide[3]));
-            let stands_out = *narrow > slack;
             let stays = narrow + slack > MIN_NARROW_OVER_WIDE * around;
-            jumps |= u64::from(stands_out & stays);
+            jumps |= u64::from(stands_out(narrow) & stays);
         }
         if jumps != 0 {
             return true;
