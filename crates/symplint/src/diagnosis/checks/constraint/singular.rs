@@ -176,11 +176,12 @@ impl Columns {
         let mut states = Ensemble::zeros(dof, STATES * displaced.len());
         let fill = |first: usize, block: &mut Block<'_>| {
             for c in 0..2 * dof {
-                for (k, value) in coordinate_mut(block, c).iter_mut().enumerate() {
-                    let (column, state) = ((first + k) / STATES, (first + k) % STATES);
-                    *value = coordinate(&centre, c)[0];
-                    if displaced[column] == c {
-                        *value += by[state] * radius(c);
+                let row = coordinate_mut(block, c);
+                row.fill(coordinate(&centre, c)[0]);
+                let column = displaced.iter().position(|&displaced| displaced == c);
+                for (k, by) in column.iter().flat_map(|column| (STATES * column..).zip(&by)) {
+                    if let Some(value) = k.checked_sub(first).and_then(|k| row.get_mut(k)) {
+                        *value += by * radius(c);
                     }
                 }
             }
@@ -192,12 +193,13 @@ impl Columns {
                 coordinates.weight(c % dof).abs() * radius(c % dof) * radius(c % dof + dof);
             radius(c) / action.sqrt()
         };
+        let units: Vec<f64> = (0..2 * dof).map(unit).collect();
         let difference = |row: usize, column: usize, level: usize| {
             let first = STATES * column + 2 * level;
             let values = &coordinate(&states, row)[first..first + 2];
             let change = nearest(values[0] - values[1], period(coordinates, row));
             let distance = 2.0 * DISTANCES[level] * radius(displaced[column]);
-            change / unit(row) / (distance / unit(displaced[column]))
+            change / units[row] / (distance / units[displaced[column]])
         };
         let entries = DMatrix::from_fn(2 * dof, displaced.len(), |row, column| {
             let levels = (0..DISTANCES.len()).map(|level| difference(row, column, level));
