@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 
+use super::buffer::Buffer;
 use super::in_parallel;
 use super::rows::{CACHE_LINE, VALUES_OF_PAGE};
 use crate::error::{Error, LOOK_AT_MAP, StateLocation};
@@ -22,8 +23,8 @@ pub struct Ensemble {
     dof: usize,
     samples: usize,
     stride: usize,
-    q: Vec<f64>,
-    p: Vec<f64>,
+    q: Buffer,
+    p: Buffer,
 }
 
 /// Distance between rows of `samples` values that does not alias in the caches.
@@ -43,8 +44,8 @@ impl Ensemble {
             dof,
             samples,
             stride,
-            q: vec![0.0; dof * stride],
-            p: vec![0.0; dof * stride],
+            q: Buffer::zeros(dof * stride),
+            p: Buffer::zeros(dof * stride),
         }
     }
 
@@ -146,7 +147,7 @@ impl Ensemble {
         let pairs = [(&mut self.q, between.q()), (&mut self.p, between.p())];
         for (values, between) in pairs {
             // Into new memory, row by row, on all threads.
-            let mut all = vec![0.0; self.dof * stride];
+            let mut all = Buffer::zeros(self.dof * stride);
             let rows = all.chunks_mut(stride).zip(values.chunks(old)).enumerate();
             in_parallel(rows, stride, |(i, (row, first))| {
                 let pairs = first[..samples].iter().zip(between.row(i));

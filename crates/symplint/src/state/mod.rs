@@ -1,6 +1,7 @@
 //! States: rows of coordinates, blocks of samples, ensembles, and what coordinates mean.
 
 mod block;
+mod buffer;
 mod coordinates;
 mod ensemble;
 mod rows;

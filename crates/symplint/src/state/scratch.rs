@@ -3,13 +3,14 @@
 
 use std::cell::RefCell;
 
+use super::buffer::Buffer;
 use crate::state::RowsMut;
 
 /// Values of the largest buffer that a thread keeps, 64 MiB: a larger one would stay with every thread that ever had one.
 const MAX_KEPT_VALUES: usize = 1 << 23;
 
 thread_local! {
-    static IDLE: RefCell<Vec<Vec<f64>>> = const { RefCell::new(Vec::new()) };
+    static IDLE: RefCell<Vec<Buffer>> = const { RefCell::new(Vec::new()) };
 }
 
 /// Lends `work` a buffer of `len` values with unspecified contents. Calls may nest.
@@ -23,17 +24,12 @@ pub fn with_buffer<R>(len: usize, work: impl FnOnce(&mut [f64]) -> R) -> R {
 }
 
 // Compiled once, not for each `work`.
-fn lend(len: usize) -> Vec<f64> {
-    let mut buffer = IDLE.with_borrow_mut(Vec::pop).unwrap_or_default();
-    if buffer.len() < len {
-        // Allocate exactly `len`: `keep` compares the length with the limit.
-        buffer.reserve_exact(len - buffer.len());
-        buffer.resize(len, 0.0);
-    }
-    buffer
+fn lend(len: usize) -> Buffer {
+    let idle = IDLE.with_borrow_mut(Vec::pop);
+    (idle.filter(|buffer| buffer.len() >= len)).unwrap_or_else(|| Buffer::zeros(len))
 }
 
-fn keep(buffer: Vec<f64>) {
+fn keep(buffer: Buffer) {
     if buffer.len() <= MAX_KEPT_VALUES {
         IDLE.with_borrow_mut(|idle| idle.push(buffer));
     }

@@ -179,7 +179,10 @@ impl Columns {
                 let row = coordinate_mut(block, c);
                 row.fill(coordinate(&centre, c)[0]);
                 let column = displaced.iter().position(|&displaced| displaced == c);
-                for (k, by) in column.iter().flat_map(|column| (STATES * column..).zip(&by)) {
+                for (k, by) in column
+                    .iter()
+                    .flat_map(|column| (STATES * column..).zip(&by))
+                {
                     if let Some(value) = k.checked_sub(first).and_then(|k| row.get_mut(k)) {
                         *value += by * radius(c);
                     }
