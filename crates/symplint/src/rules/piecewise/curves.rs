@@ -177,25 +177,32 @@ impl Curves<'_> {
         let substeps = self.evaluator.substeps();
         let width = 2 * self.dof();
         let numbers = width * (substeps - substep + 1);
-        let begin = |first: usize, samples: usize| (first, vec![0.0; samples * numbers]);
-        let visit =
-            |(first, images): &mut (usize, Vec<f64>), next: usize, block: &mut Block<'_>| {
-                if next == substeps {
-                    for (sample, point) in points[*first..][..block.len()].iter().enumerate() {
-                        self.unwrap(block, sample, point);
-                    }
+        type Visits = (usize, Vec<Arc<[f64]>>);
+        let begin = |first: usize, samples: usize| -> Visits {
+            let image = || (0..numbers).map(|_| 0.0).collect();
+            (first, std::iter::repeat_with(image).take(samples).collect())
+        };
+        let visit = |(first, images): &mut Visits, next: usize, block: &mut Block<'_>| {
+            if next == substeps {
+                for (sample, point) in points[*first..][..block.len()].iter().enumerate() {
+                    self.unwrap(block, sample, point);
                 }
-                write_states(images, numbers, width * (next - substep), block);
-            };
+            }
+            let images = images.iter_mut().map(|image| {
+                let states = Arc::get_mut(image).expect("an image is shared when it is complete");
+                &mut states[width * (next - substep)..]
+            });
+            write_states(&mut images.collect::<Vec<_>>(), block);
+        };
         let images = (self.evaluator)
             .advance_substeps(&mut states, substep, self.h, begin, visit)
             .map_err(at)?;
-        let image = |states: &[f64]| PointImage {
-            states: states.into(),
+        let image = |states| PointImage {
+            states,
             width,
             start: 0,
         };
-        let each = (images.iter()).flat_map(|(_, images)| images.chunks_exact(numbers.max(1)));
+        let each = images.into_iter().flat_map(|(_, images)| images);
         Ok(each.map(image).collect())
     }
 
@@ -212,8 +219,8 @@ impl Curves<'_> {
     }
 }
 
-/// Writes the state of each sample of a block to its `numbers`, from `start` on.
-fn write_states(images: &mut [f64], numbers: usize, start: usize, block: &Block<'_>) {
+/// Writes the state of each sample of a block to the beginning of its image.
+fn write_states(images: &mut [&mut [f64]], block: &Block<'_>) {
     /// Samples that are taken out of the rows together: four cache lines of a row, which lie one after the other.
     const SAMPLES_TOGETHER: usize = 32;
     let tables = [block.q.as_rows(), block.p.as_rows()];
@@ -221,17 +228,15 @@ fn write_states(images: &mut [f64], numbers: usize, start: usize, block: &Block<
         .flat_map(|rows| (0..rows.count()).map(|i| rows.row(i)))
         .collect();
     let mut tile = [[0.0; CACHE_LINE]; SAMPLES_TOGETHER];
-    let chunks = images.chunks_mut((SAMPLES_TOGETHER * numbers).max(1));
-    for (together, images) in chunks.enumerate() {
+    for (together, images) in images.chunks_mut(SAMPLES_TOGETHER).enumerate() {
         let first = together * SAMPLES_TOGETHER;
-        let samples = images.len() / numbers;
         for (chunk, rows) in rows.chunks(CACHE_LINE).enumerate() {
             for (i, row) in rows.iter().enumerate() {
-                let values = &row[first..first + samples];
+                let values = &row[first..first + images.len()];
                 (tile.iter_mut().zip(values)).for_each(|(line, value)| line[i] = *value);
             }
-            for (image, line) in images.chunks_exact_mut(numbers).zip(&tile) {
-                let image = &mut image[start + chunk * CACHE_LINE..][..rows.len()];
+            for (image, line) in images.iter_mut().zip(&tile) {
+                let image = &mut image[chunk * CACHE_LINE..][..rows.len()];
                 match image.first_chunk_mut() {
                     // Of a known length, it is two instructions.
                     Some(image) => *image = *line,
@@ -261,7 +266,10 @@ mod tests {
                         block.p.row_mut(i)[k] = value(stage, dof + i, k);
                     }
                 }
-                write_states(&mut images, numbers, 2 * dof * stage, &block);
+                let images = images.chunks_mut(numbers);
+                let mut images: Vec<&mut [f64]> =
+                    images.map(|image| &mut image[2 * dof * stage..]).collect();
+                write_states(&mut images, &block);
             }
             for (k, states) in images.chunks(numbers).enumerate() {
                 let image = PointImage {
