@@ -15,7 +15,7 @@ from symplint import integrators, systems
 
 SAMPLES = 4096
 STEP_SIZES = [2.0**-m for m in range(1, 11)]
-REPETITIONS = 3
+REPETITIONS = 5
 PLASMA = {"Nx": 128, "boxsize": 50.0, "n0": 1.0, "vb": 3.0, "vth": 1.0, "A": 0.5, "k": 1, "IC": "two_stream", "seed": 42}
 METHOD = {"rad": 1.0, "Ntheta": SAMPLES, "dt": STEP_SIZES[0], "order_time": 2, "order_space": 3, "filter": 0, "verbose": False}
 
@@ -35,8 +35,9 @@ def defects_of(steps, x, v):
     settings = {"radius": 1.0, "phases": "equal", "samples": SAMPLES, "rule": "pseudospectral", "step_sizes": STEP_SIZES, "budget": 100_000}
     nothing_else = {"loops": 1, "jacobian": False, "properties": False, "localise": False}
     reports = [symplint.check(step, x, v, threads=1, **settings, **nothing_else) for step in steps]
-    assert all(len(report.points) == len(STEP_SIZES) for report in reports)
-    return [abs(report.points["signed_defect"][0]) for report in reports]
+    points = [report.points for report in reports]
+    assert all(len(of_step) == len(STEP_SIZES) for of_step in points)
+    return [abs(of_step["signed_defect"][0]) for of_step in points]
 
 
 def main():
