@@ -266,6 +266,7 @@ fn gather<C: Carrier, const W: usize>(
 
 #[cfg(test)]
 mod tests {
+    use super::super::pairs::LARGE_GROUP;
     use super::super::shape::{Shape, ShapeFamily};
     use super::*;
 
@@ -392,9 +393,10 @@ mod tests {
     fn a_sample_does_not_know_its_block() {
         let spline = Shape::new(ShapeFamily::BSpline, 2).unwrap();
         // Groups or single samples by pairs, and places that are kept or not.
-        let numbers = [1, 2, 8, 9, 129, 256, 257, 2048, 2049].map(|particles| (spline, particles));
+        let numbers =
+            [1, 2, 3, 8, 9, 129, 256, 257, 2048, 2049].map(|particles| (spline, particles));
         for (shape, particles) in shapes().map(|shape| (shape, 40)).chain(numbers) {
-            const SAMPLES: usize = 2 * GROUP + 3;
+            const SAMPLES: usize = LARGE_GROUP + 2 * GROUP + 3;
             let line = Line::new(shape, 16, 0, &vec![0.3; particles]);
             let q: Vec<f64> = (0..particles * SAMPLES)
                 .map(|i| ((i * i) as f64 * 0.618).rem_euclid(33.6) - 11.2)

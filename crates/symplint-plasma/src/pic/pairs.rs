@@ -7,8 +7,12 @@ use multiversion::multiversion;
 use symplint::state::{Rows, RowsMut};
 
 use super::field::FieldSolver;
+use super::line::GROUP;
 use super::place::{Locator, Places};
 use super::polynomials::{CellPolynomials, add_particle};
+
+/// Samples that are kicked together if they have one or two particles.
+pub(super) const LARGE_GROUP: usize = 32;
 
 /// Particles of all samples that are kicked together, at most: their places are kept on the stack.
 const PLACES: usize = 64;
@@ -71,16 +75,17 @@ impl PairTable {
         q: Rows<'_>,
         p: &mut RowsMut<'_>,
     ) {
-        let mut done = 0;
-        match PLACES / weights.len().max(1) {
-            32.. => self.kick_groups::<N, 32>(locator, weights, tau, &mut done, q, p),
-            8.. => self.kick_groups::<N, 8>(locator, weights, tau, &mut done, q, p),
-            _ => {}
+        let (most, mut first) = (PLACES / weights.len().max(1), 0);
+        if most >= LARGE_GROUP {
+            self.kick_groups::<N, LARGE_GROUP>(locator, weights, tau, &mut first, q, p);
         }
-        self.kick_groups::<N, 1>(locator, weights, tau, &mut done, q, p);
+        if most >= GROUP {
+            self.kick_groups::<N, GROUP>(locator, weights, tau, &mut first, q, p);
+        }
+        self.kick_groups::<N, 1>(locator, weights, tau, &mut first, q, p);
     }
 
-    /// Kicks the samples from `first` on, `W` at a time, as long as there are as many.
+    /// Kicks samples from `first` on, `W` at a time, and moves `first` behind the last of them.
     fn kick_groups<const N: usize, const W: usize>(
         &self,
         locator: &Locator,

@@ -196,6 +196,7 @@ fn any_may_jump(row: &[f64], floor: f64) -> bool {
         for (residual, x) in narrow.iter_mut().zip(row[first + 4..].windows(6)) {
             *residual = undivided([x[0], x[1], x[2], x[3], x[4], x[5]]).abs();
         }
+        // Most cells are smooth, and their double cells need not be looked at.
         let stands_out = |narrow: &f64| *narrow > slack;
         let standing_out =
             (narrow.iter()).fold(0, |any, narrow| any | u64::from(stands_out(narrow)));

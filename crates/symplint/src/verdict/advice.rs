@@ -307,7 +307,7 @@ impl Advice {
     }
 }
 
-/// Why the step sizes that were given show no order, and which would.
+/// Why the step sizes that were given show no order, and which step sizes would show one.
 fn no_order(given: usize, drowned: bool) -> String {
     match drowned {
         true => format!(
@@ -321,7 +321,7 @@ fn no_order(given: usize, drowned: bool) -> String {
     }
 }
 
-/// To take larger steps, by a factor if it is known, than this one.
+/// Advice to take larger steps: by a factor, if it is known, than this size, if it is known.
 fn larger_steps(factor: Option<f64>, step_size: Option<f64>) -> String {
     let sizes = match (factor, step_size) {
         (Some(factor), Some(h)) => format!(", near {}", one_digit(factor * h)),
@@ -340,7 +340,7 @@ fn larger_steps(factor: Option<f64>, step_size: Option<f64>) -> String {
     )
 }
 
-/// What to do if a step deforms the loop, unless it does so by so much that its units are wrong.
+/// What to do if a step deforms the loop: `remedy`, or other units if the step deforms it very much.
 fn less_deformation(remedy: &str, deformation: f64) -> String {
     let times = short(deformation);
     match deformation > MAX_USUAL_FACTOR {
@@ -374,9 +374,9 @@ fn look_for_cause(order: Option<f64>) -> String {
             };
             format!(
                 "Check the method: {methods}, for example, changes loop integrals in proportion to {law}. Use a symplectic method of the \
-         same order. A splitting such as leapfrog is symplectic if H = T(p) + V(q): forces do not depend on p, and each substep \
-         uses the newest q and p. An implicit method has to solve its equations to all digits. With several degrees of freedom, \
-         test the force (`check_force` in Python and C)."
+                 same order. A splitting such as leapfrog is symplectic if H = T(p) + V(q): forces do not depend on p, and each substep \
+                 uses the newest q and p. An implicit method has to solve its equations to all digits. With several degrees of freedom, \
+                 test the force (`check_force` in Python and C)."
             )
         }
         Some(order) if order > 0.0 => {

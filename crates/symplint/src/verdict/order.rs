@@ -287,8 +287,8 @@ fn exponents(from: f64, to: f64) -> impl DoubleEndedIterator<Item = f64> {
         .map(move |n| from + n as f64 * EXPONENT_STEP)
 }
 
-/// A number for each point of a fit, one more than [`MAX_POINTS`] at most, as differences are between two of them. Other points have
-/// the weight 0.
+/// A number for each point of a fit. There are at most [`MAX_POINTS`] + 1: those between which as many differences are. Slots without a
+/// point have the weight 0.
 type Values = [f64; MAX_POINTS + 1];
 
 /// How badly E/h^k is a sum of these powers of h (fewer with few points): the largest residual over

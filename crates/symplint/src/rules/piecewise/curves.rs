@@ -219,7 +219,7 @@ impl Curves<'_> {
     }
 }
 
-/// Writes the state of each sample of a block to the beginning of its image.
+/// Writes the state of each sample of a block to the beginning of its slice.
 fn write_states(images: &mut [&mut [f64]], block: &Block<'_>) {
     /// Samples that are taken out of the rows together: four cache lines of a row, which lie one after the other.
     const SAMPLES_TOGETHER: usize = 32;

@@ -413,7 +413,7 @@ impl<'a> View<'a> {
         let weighted = |c: usize, term: usize| self.scales.weight(c) * steps[c][term];
         let matrix = DMatrix::from_fn(steps.len(), MAX_TERMS, weighted);
         // A few polynomials with the same sum of squares as those of all coordinates.
-        let triangle = matrix.qr().r();
+        let triangle = matrix.qr().unpack_r();
         let rows = triangle.row_iter();
         let rows: Vec<[f64; MAX_TERMS]> = rows
             .map(|row| std::array::from_fn(|term| row[term]))

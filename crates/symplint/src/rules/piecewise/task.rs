@@ -71,7 +71,7 @@ impl Task {
         }
     }
 
-    /// How many they are.
+    /// How many states it asks for.
     pub fn cost(&self) -> usize {
         match self {
             Task::Look(piece) => piece.missing().count(),

@@ -178,11 +178,11 @@ impl Columns {
             for c in 0..2 * dof {
                 let row = coordinate_mut(block, c);
                 row.fill(coordinate(&centre, c)[0]);
-                let column = displaced.iter().position(|&displaced| displaced == c);
-                for (k, by) in column
-                    .iter()
-                    .flat_map(|column| (STATES * column..).zip(&by))
-                {
+                // Few samples of a row are displaced.
+                let Some(column) = displaced.iter().position(|&other| other == c) else {
+                    continue;
+                };
+                for (k, by) in (STATES * column..).zip(&by) {
                     if let Some(value) = k.checked_sub(first).and_then(|k| row.get_mut(k)) {
                         *value += by * radius(c);
                     }
