@@ -412,7 +412,7 @@ impl<'a> View<'a> {
         let (low, high) = (LOBATTO.nodes[gap], LOBATTO.nodes[gap + 1]);
         let weighted = |c: usize, term: usize| self.scales.weight(c) * steps[c][term];
         let matrix = DMatrix::from_fn(steps.len(), MAX_TERMS, weighted);
-        // A few polynomials with the same sum of squares as those of all coordinates.
+        // A few polynomials whose squares have the same sum as the squares of all coordinates.
         let triangle = matrix.qr().unpack_r();
         let rows = triangle.row_iter();
         let rows: Vec<[f64; MAX_TERMS]> = rows
