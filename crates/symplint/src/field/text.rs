@@ -5,7 +5,7 @@ use std::fmt;
 use serde::ser::SerializeStruct;
 use serde::{Serialize, Serializer};
 
-use super::evidence::{FieldKind, FieldLoopKind, LoopWork, OmittedPart};
+use super::evidence::{Curl, FieldKind, FieldLoopKind, LoopWork, OmittedPart};
 use super::judge::{Certainty, FieldReport, FieldVerdict};
 use crate::signal::SIGNIFICANT;
 use crate::text::{plain_numbers, two_digits};
@@ -136,26 +136,10 @@ impl FieldReport {
         let evidence = &self.evidence;
         let subject = self.subject();
         let mut found = Vec::new();
-        if let Some(curl) = evidence.curl
+        if let Some(curl) = &evidence.curl
             && curl.value.max(curl.error) < 1.0
         {
-            let value = match curl.value > curl.error {
-                true => format!(
-                    "λ = {} ± {}",
-                    two_digits(curl.value),
-                    two_digits(curl.error)
-                ),
-                false if curl.value + curl.error == 0.0 => "λ = 0".into(),
-                false => format!("λ is below {}", two_digits(curl.value + curl.error)),
-            };
-            let pairs = match (curl.all, curl.pairs) {
-                (true, 1) => "the pair of coordinates".into(),
-                (true, count) => format!("all {count} pairs of coordinates"),
-                (false, count) => format!("{count} random pairs of directions"),
-            };
-            found.push(format!(
-                "{value} (antisymmetric part of the Jacobian over the Jacobian, in units of the radii), from {pairs}."
-            ));
+            found.push(measured_curl(curl));
         }
         if let Some(worst) = evidence.worst {
             let [of_first, of_second] = match self.is_force() {
@@ -286,6 +270,27 @@ impl FieldReport {
             })
             .collect()
     }
+}
+
+/// The curl that was measured, as a sentence.
+fn measured_curl(curl: &Curl) -> String {
+    let value = match curl.value > curl.error {
+        true => format!(
+            "λ = {} ± {}",
+            two_digits(curl.value),
+            two_digits(curl.error)
+        ),
+        false if curl.value + curl.error == 0.0 => "λ = 0".into(),
+        false => format!("λ is below {}", two_digits(curl.value + curl.error)),
+    };
+    let pairs = match (curl.all, curl.pairs) {
+        (true, 1) => "the pair of coordinates".into(),
+        (true, count) => format!("all {count} pairs of coordinates"),
+        (false, count) => format!("{count} random pairs of directions"),
+    };
+    format!(
+        "{value} (antisymmetric part of the Jacobian over the Jacobian, in units of the radii), from {pairs}."
+    )
 }
 
 /// `on a random loop`.

@@ -168,17 +168,7 @@ impl Display for BoundFinding {
                 (*loops, *by_loops),
                 *by_jacobian,
             ),
-            BoundFinding::Resolution { samples, one_in } => match one_in {
-                Some(one_in) => write!(
-                    f,
-                    "Other regions of phase space and details finer than 1/{samples} of a loop were not tested, and an error that affects \
-                     fewer than 1 in {one_in} states can be missed."
-                ),
-                None => write!(
-                    f,
-                    "Other regions of phase space and details finer than 1/{samples} of a loop were not tested."
-                ),
-            },
+            BoundFinding::Resolution { samples, one_in } => resolution(f, *samples, *one_in),
             BoundFinding::MovesRest { loop_index } => write!(
                 f,
                 "{} also moves degrees of freedom that your loop leaves at rest.",
@@ -211,6 +201,20 @@ impl Display for BoundFinding {
                 capitalised(&loop_name(*loop_index))
             ),
         }
+    }
+}
+
+fn resolution(f: &mut Formatter<'_>, samples: usize, one_in: Option<usize>) -> Result {
+    write!(
+        f,
+        "Other regions of phase space and details finer than 1/{samples} of a loop were not tested"
+    )?;
+    match one_in {
+        Some(one_in) => write!(
+            f,
+            ", and an error that affects fewer than 1 in {one_in} states can be missed."
+        ),
+        None => f.write_str("."),
     }
 }
 
