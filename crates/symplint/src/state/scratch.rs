@@ -58,3 +58,23 @@ fn divide(buffer: &mut [f64], tables: usize, count: usize, len: usize) -> Vec<Ro
     };
     (0..tables).map(next).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nested_calls_of_any_sizes_use_the_same_memory_again() {
+        let lent = |outer: usize, inner: usize| {
+            with_buffer(outer, |outer| {
+                with_buffer(inner, |inner| [outer, inner].map(|of| of.as_ptr().addr()))
+            })
+        };
+        let sizes = [(10, 1000), (1000, 10), (300, 300)];
+        for (outer, inner) in sizes {
+            lent(outer, inner);
+        }
+        let [first, again] = [(); 2].map(|()| sizes.map(|(outer, inner)| lent(outer, inner)));
+        assert_eq!(first, again);
+    }
+}

@@ -148,8 +148,11 @@ impl Piece {
 
     /// Which of its points have to be evaluated before it can be looked at.
     pub fn missing(&self) -> impl Iterator<Item = usize> {
-        let is_missing = |k: &usize| IS_OF_LEVEL[self.level][*k] && self.images[*k].is_none();
-        (0..POINTS).filter(is_missing)
+        (0..POINTS).filter(|&k| self.is_missing(k))
+    }
+
+    fn is_missing(&self, k: usize) -> bool {
+        IS_OF_LEVEL[self.level][k] && self.images[k].is_none()
     }
 
     /// Where they are.
@@ -160,10 +163,9 @@ impl Piece {
 
     /// Takes their images in.
     pub fn fill(&mut self, mut images: impl Iterator<Item = PointImage>) {
-        let of_level = &IS_OF_LEVEL[self.level];
-        for (slot, _) in (self.images.iter_mut().zip(of_level)).filter(|(_, is_of)| **is_of) {
-            if slot.is_none() {
-                *slot = images.next();
+        for k in 0..POINTS {
+            if self.is_missing(k) {
+                self.images[k] = images.next();
             }
         }
     }
