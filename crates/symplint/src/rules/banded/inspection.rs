@@ -1,11 +1,8 @@
 //! How far the samples of a row are from smooth, by a high difference of each window of them.
 
-use std::ops::Range;
 use std::sync::LazyLock;
 
-use multiversion::multiversion;
-
-use super::{LANES, RUN, Stencil, round_end};
+use super::{LANES, RUN, Stencil};
 use crate::breaks::rounding;
 use crate::signal::UNIT_ROUNDOFF;
 
@@ -17,7 +14,7 @@ const Q_STRIDE: usize = LANES;
 
 /// From one window of p to the next. A jump of p counts for no more than the slope of q from one sample to the next, so that it may be
 /// larger.
-const P_STRIDE: usize = 2 * Q_STRIDE;
+pub(super) const P_STRIDE: usize = 2 * Q_STRIDE;
 
 /// The rounding of samples, taken as rounding of the largest, rarely makes more than this of a difference: half of the sum of its
 /// absolute weights, 2^23/√binom(46, 23). What exceeds it may be a jump.
@@ -29,7 +26,7 @@ const MAX_JUMP_OVER_DIFFERENCE: f64 = 16.83;
 const MEAN_JUMP_OVER_DIFFERENCE: f64 = 6.0;
 
 /// The difference of a window, scaled so that white noise keeps its variance.
-static DIFFERENCE: LazyLock<[[f64; LANES]; 3]> = LazyLock::new(|| {
+pub(super) static DIFFERENCE: LazyLock<[[f64; LANES]; 3]> = LazyLock::new(|| {
     let mut difference = [[0.0; LANES]; 3];
     (difference.as_flattened_mut()).copy_from_slice(&Stencil::new(WINDOW - 1).difference);
     difference
@@ -47,7 +44,7 @@ fn largest<const COUNT: usize>(lanes: [f64; COUNT]) -> f64 {
 
 /// What windows of samples show of a coordinate, all round the loop.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Inspection {
+pub(in crate::rules) struct Inspection {
     windows: usize,
     /// Standard deviation of the noise.
     pub noise: f64,
@@ -74,102 +71,78 @@ impl Inspection {
     }
 }
 
+/// Samples of a span, one of which begins every [`P_STRIDE`] samples: those of its windows of q.
+pub(super) const SPAN: usize = P_STRIDE - Q_STRIDE + WINDOW;
+
 /// Sums over the windows of q.
 pub(super) type QWindows = Windows<{ P_STRIDE / Q_STRIDE }>;
 
 /// Sums over the windows of p.
 pub(super) type PWindows = Windows<1>;
 
-/// Sums over spans of samples. A span begins every [`P_STRIDE`] samples, and has this number of windows, [`Q_STRIDE`] apart.
+/// Windows of a coordinate by spans, each with this number of them, [`Q_STRIDE`] apart.
 pub(super) struct Windows<const COUNT: usize> {
-    spans: usize,
-    /// Squares of the differences, and the largest.
-    differences: [f64; COUNT],
-    largest: [f64; COUNT],
-    /// Squares of the increments up to the samples in the middle of the first window of each span.
-    steps: [f64; LANES],
-    /// The values of these samples, less the first of the row, their squares, and the largest size.
-    values: [f64; LANES],
-    squares: [f64; LANES],
-    sizes: [f64; LANES],
+    sums: Sums<COUNT>,
     /// The differences of a run in four parts each, before they are added up: one after the other, that takes longer than all else.
     parts: [[[f64; 4]; COUNT]; RUN / P_STRIDE],
 }
 
-impl<const COUNT: usize> Windows<COUNT> {
-    /// Samples of a span.
-    const SPAN: usize = WINDOW + (COUNT - 1) * Q_STRIDE;
+#[derive(Clone, Copy)]
+struct Sums<const COUNT: usize> {
+    spans: usize,
+    /// Squares of the differences, and the largest.
+    differences: [f64; COUNT],
+    largest: [f64; COUNT],
+    samples: SampleSums,
+}
 
+/// Sums over the samples in the middle of the first window of each span.
+#[derive(Clone, Copy, Default)]
+pub(super) struct SampleSums {
+    /// Squares of the increments up to them.
+    steps: [f64; LANES],
+    /// Their values, less the first of the row, the squares of these, and the largest size.
+    values: [f64; LANES],
+    squares: [f64; LANES],
+    sizes: [f64; LANES],
+}
+
+impl<const COUNT: usize> Windows<COUNT> {
     pub fn new() -> Self {
-        let (no_differences, none) = ([0.0; COUNT], [0.0; LANES]);
         Windows {
-            spans: 0,
-            differences: no_differences,
-            largest: no_differences,
-            steps: none,
-            values: none,
-            squares: none,
-            sizes: none,
+            sums: Sums::new(),
             parts: [[[0.0; 4]; COUNT]; RUN / P_STRIDE],
         }
     }
 
-    /// Adds the spans that begin in a run and end in the row; `None` if they show more than rounding.
-    pub fn add(&mut self, row: &[f64], run: Range<usize>) -> Option<()> {
-        let end = (run.end + Self::SPAN - P_STRIDE).min(row.len());
-        add_spans(&row[run.start..end], row[0], self);
-        self.check()
+    /// Forgets all spans.
+    pub fn clear(&mut self) {
+        self.sums = Sums::new();
     }
 
-    /// Adds the spans that go round the end of the row, and says what all show; `None` if it is more than rounding.
-    pub fn close(mut self, row: &[f64]) -> Option<Inspection> {
-        /// Two spans of q.
-        const ENDS: usize = P_STRIDE + QWindows::SPAN;
-        let done = self.spans * P_STRIDE;
-        let ends: [f64; ENDS] = round_end(row, done);
-        let others = (row.len() - done).div_ceil(P_STRIDE);
-        add_spans(
-            &ends[..(others - 1) * P_STRIDE + Self::SPAN],
-            row[0],
-            &mut self,
-        );
-        self.check()?;
-        let windows = self.spans * COUNT;
-        let mean = |lanes: [f64; LANES]| lanes.iter().sum::<f64>() / (self.spans * LANES) as f64;
-        Some(Inspection {
-            windows,
-            noise: (self.differences.iter().sum::<f64>() / windows as f64).sqrt(),
-            largest: largest(self.largest),
-            size: largest(self.sizes),
-            slope: row.len() as f64 * mean(self.steps).sqrt(),
-            deviation: (mean(self.squares) - mean(self.values).powi(2))
-                .max(0.0)
-                .sqrt(),
-        })
+    pub fn spans(&self) -> usize {
+        self.sums.spans
     }
 
-    /// `None` if a difference is larger than what rounding of the largest value so far makes of it, or no number.
-    fn check(&self) -> Option<()> {
-        let limit = rounding(UNIT_ROUNDOFF * largest(self.sizes));
-        let are_numbers = self.differences.iter().all(|sum| sum.is_finite());
-        (are_numbers && largest(self.largest) <= limit).then_some(())
+    pub fn samples(&self) -> SampleSums {
+        self.sums.samples
     }
-}
 
-/// Adds the spans of a part of a row, values from `first`: far from the origin they would be rounded more than they are in storage.
-#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx2", "x86_64+avx2"))]
-fn add_spans<const COUNT: usize>(part: &[f64], first: f64, sums: &mut Windows<COUNT>) {
-    let [before, middle, behind] = *DIFFERENCE;
-    // In registers.
-    let (mut steps, mut values) = (sums.steps, sums.values);
-    let (mut squares, mut sizes) = (sums.squares, sums.sizes);
-    let spans = part.windows(Windows::<COUNT>::SPAN).step_by(P_STRIDE);
-    let count = spans.len();
-    for (span, parts) in spans.zip(&mut sums.parts) {
+    /// Adds the span of this number in the run that begins at `span`. The sums over samples are apart, to stay in registers.
+    #[inline(always)]
+    pub fn add(
+        &mut self,
+        number: usize,
+        span: &[f64],
+        first: f64,
+        [before, middle, behind]: &[[f64; LANES]; 3],
+        sums: &mut SampleSums,
+    ) {
         let groups = span.as_chunks::<LANES>().0;
         let previous = &span[LANES - 1..].as_chunks::<LANES>().0[0];
         let mut differences = [[0.0; LANES]; COUNT];
         for lane in 0..LANES {
+            // Far from the origin, values would be rounded more than they are in storage.
             let value = |group: usize| groups[group][lane] - first;
             for (k, difference) in differences.iter_mut().enumerate() {
                 difference[lane] = before[lane] * value(k)
@@ -177,26 +150,68 @@ fn add_spans<const COUNT: usize>(part: &[f64], first: f64, sums: &mut Windows<CO
                     + behind[lane] * value(k + 2);
             }
             let step = groups[1][lane] - previous[lane];
-            steps[lane] += step * step;
-            values[lane] += value(1);
-            squares[lane] += value(1) * value(1);
-            sizes[lane] = larger(groups[1][lane].abs(), sizes[lane]);
+            sums.steps[lane] += step * step;
+            sums.values[lane] += value(1);
+            sums.squares[lane] += value(1) * value(1);
+            sums.sizes[lane] = larger(groups[1][lane].abs(), sums.sizes[lane]);
         }
-        *parts = differences.map(halved::<8, 4>);
+        self.parts[number] = differences.map(halved::<8, 4>);
     }
-    (sums.steps, sums.values) = (steps, values);
-    (sums.squares, sums.sizes) = (squares, sizes);
-    let (mut squares, mut largest) = (sums.differences, sums.largest);
-    for parts in &sums.parts[..count] {
-        let halves = parts.map(halved::<4, 2>);
-        for k in 0..COUNT {
-            let difference = halves[k][0] + halves[k][1];
-            squares[k] += difference * difference;
-            largest[k] = larger(difference.abs(), largest[k]);
+
+    /// Adds up the differences of a run with this number of spans.
+    #[inline(always)]
+    pub fn end_run(&mut self, spans: usize, samples: SampleSums) {
+        let (mut squares, mut largest) = (self.sums.differences, self.sums.largest);
+        for parts in &self.parts[..spans] {
+            let halves = parts.map(halved::<4, 2>);
+            for k in 0..COUNT {
+                let difference = halves[k][0] + halves[k][1];
+                squares[k] += difference * difference;
+                largest[k] = larger(difference.abs(), largest[k]);
+            }
+        }
+        self.sums = Sums {
+            spans: self.sums.spans + spans,
+            differences: squares,
+            largest,
+            samples,
+        };
+    }
+
+    /// `None` if a difference is larger than what rounding of the largest value so far makes of it, or no number.
+    pub fn check(&self) -> Option<()> {
+        let limit = rounding(UNIT_ROUNDOFF * largest(self.sums.samples.sizes));
+        let are_numbers = self.sums.differences.iter().all(|sum| sum.is_finite());
+        (are_numbers && largest(self.sums.largest) <= limit).then_some(())
+    }
+
+    /// What the windows show of a coordinate with this number of samples.
+    pub fn inspection(&self, samples: usize) -> Inspection {
+        let sums = &self.sums;
+        let windows = sums.spans * COUNT;
+        let mean = |lanes: [f64; LANES]| lanes.iter().sum::<f64>() / (sums.spans * LANES) as f64;
+        Inspection {
+            windows,
+            noise: (sums.differences.iter().sum::<f64>() / windows as f64).sqrt(),
+            largest: largest(sums.largest),
+            size: largest(sums.samples.sizes),
+            slope: samples as f64 * mean(sums.samples.steps).sqrt(),
+            deviation: (mean(sums.samples.squares) - mean(sums.samples.values).powi(2))
+                .max(0.0)
+                .sqrt(),
         }
     }
-    (sums.differences, sums.largest) = (squares, largest);
-    sums.spans += count;
+}
+
+impl<const COUNT: usize> Sums<COUNT> {
+    fn new() -> Self {
+        Sums {
+            spans: 0,
+            differences: [0.0; COUNT],
+            largest: [0.0; COUNT],
+            samples: SampleSums::default(),
+        }
+    }
 }
 
 /// The sums of one number of the first half and one of the second.

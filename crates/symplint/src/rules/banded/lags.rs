@@ -1,111 +1,119 @@
 //! Sums of products of samples a few places apart.
 
-use std::ops::Range;
-
 use multiversion::multiversion;
 
-use super::{LANES, RUN, round_end};
-use crate::signal::prefetch;
+use super::{LANES, RUN};
 
 /// Lags that are summed in one pass: half of those of the highest order. They keep their sums in registers.
 pub(super) const LAGS: usize = 5;
 
-/// Samples on either side that the highest order needs.
-pub(super) const REACH: usize = 2 * LAGS;
+/// Lags of the highest order, in whole groups: so far the neighbours of a sample reach.
+const REACH: usize = (2 * LAGS).next_multiple_of(LANES);
 
-/// Whole groups of samples that have all neighbours in their row begin here.
-const START: usize = REACH.next_multiple_of(LANES);
+/// Groups between the one that is copied and the one that is summed: the neighbours of this one are stored by then.
+pub(super) const DELAY: usize = 2;
 
-/// The samples of a row whose neighbours are in their row, in whole groups.
-fn inner(samples: usize) -> Range<usize> {
-    START..(samples - REACH) / LANES * LANES
+/// Samples on either side of a row.
+pub(super) const MARGIN: usize = REACH + DELAY * LANES;
+
+/// A row of q between samples from its other end, and one of p, less its first sample, between zeros: each group has its neighbours beside it,
+/// and what is no sample adds nothing.
+#[derive(Default)]
+pub(in crate::rules) struct Padded {
+    pub q: Vec<f64>,
+    pub p: Vec<f64>,
 }
 
-/// Adds R_k = Σ_j p_j (q_{j+k} − q_{j−k}) over the inner samples of a run for the [`LAGS`] lags k after `done`.
-pub(super) fn add_lags(
-    q: &[f64],
-    p: &[f64],
-    run: Range<usize>,
-    done: usize,
-    sums: &mut [f64; REACH],
-) {
-    let inner = inner(q.len());
-    let range = run.start.max(inner.start)..run.end.min(inner.end);
-    if !range.is_empty() {
-        add(sums, done, lag_sums(q, p, range, done, p[0]));
+impl Padded {
+    /// Makes room for this number of samples, with what is beside them; `q` are the samples or, with a `stride` of 2, twice their number.
+    pub fn open(&mut self, samples: usize, q: &[f64], stride: usize) {
+        self.q.resize(samples + 2 * MARGIN, 0.0);
+        self.p.resize(samples + 2 * MARGIN, 0.0);
+        let last = &q[q.len() - stride * MARGIN..];
+        (self.q.iter_mut().zip(last.iter().step_by(stride))).for_each(|(to, from)| *to = *from);
+        self.p[..MARGIN].fill(0.0);
+        self.close(q, stride);
     }
-}
 
-/// Adds the samples that are in no run: their neighbours are round the end of the row.
-pub(super) fn add_lags_of_ends(q: &[f64], p: &[f64], done: usize, sums: &mut [f64; REACH]) {
-    /// The most of them, as whole groups.
-    const ENDS: usize = (REACH + LANES - 1 + START).next_multiple_of(LANES);
-    let Range { start, end } = inner(q.len());
-    let count = q.len() - end + start;
-    let q_ends: [f64; ENDS + 2 * REACH] = round_end(q, end - REACH);
-    let mut p_ends: [f64; ENDS + 2 * REACH] = round_end(p, end - REACH);
-    // The samples behind these are in a run. With the p that all are counted from, they add nothing.
-    p_ends[REACH + count..].fill(p[0]);
-    add(
-        sums,
-        done,
-        lag_sums(&q_ends, &p_ends, REACH..REACH + ENDS, done, p[0]),
-    );
-}
+    /// Writes what is behind the last sample.
+    pub fn close(&mut self, q: &[f64], stride: usize) {
+        let behind = self.q.len() - MARGIN;
+        (self.q[behind..].iter_mut().zip(q.iter().step_by(stride)))
+            .for_each(|(to, from)| *to = *from);
+        self.p[behind..].fill(0.0);
+    }
 
-fn add(sums: &mut [f64; REACH], done: usize, of_lags: [f64; LAGS]) {
-    sums[done..]
-        .iter_mut()
-        .zip(of_lags)
-        .for_each(|(sum, r)| *sum += r);
-}
+    /// Whole rows.
+    pub fn copy(&mut self, q: &[f64], p: &[f64]) {
+        let samples = MARGIN..MARGIN + q.len();
+        self.open(q.len(), q, 1);
+        self.q[samples.clone()].copy_from_slice(q);
+        (self.p[samples].iter_mut().zip(p)).for_each(|(to, x)| *to = x - p[0]);
+    }
 
-/// Σ (p_j − `reference`) (q_{j+k} − q_{j−k}) for whole groups of j, and the [`LAGS`] lags k after `done`.
-#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx2", "x86_64+avx2"))]
-fn lag_sums(q: &[f64], p: &[f64], range: Range<usize>, done: usize, reference: f64) -> [f64; LAGS] {
-    let (start, count) = (range.start, range.len());
-    let shifted = |start: usize| q[start..][..count].as_chunks::<LANES>().0.iter();
-    let pairs = |lag: usize| shifted(start + lag).zip(shifted(start - lag));
-    let groups = p[range].as_chunks::<LANES>().0.iter();
-    // One iterator for all lags: none of them has to be tested for its end.
-    let groups = groups.zip(pairs(done + 1)).zip(pairs(done + 2));
-    let groups = groups
-        .zip(pairs(done + 3))
-        .zip(pairs(done + 4))
-        .zip(pairs(done + 5));
-    let mut sums = [[0.0; LANES]; LAGS];
-    for (((((values, one), two), three), four), five) in groups {
-        // This run is in the cache: load the next one.
-        prefetch(values, RUN);
-        prefetch(one.0, RUN);
-        let centred = values.map(|p| p - reference);
-        for (sums, (ahead, behind)) in sums.iter_mut().zip([one, two, three, four, five]) {
-            for lane in 0..LANES {
-                sums[lane] += centred[lane] * (ahead[lane] - behind[lane]);
-            }
+    /// Adds Σ_j p_j (q_{j+k} − q_{j−k}) for the samples from `start` on and the [`LAGS`] lags k after `DONE`.
+    pub fn add_lags<const DONE: usize>(&self, start: usize, sums: &mut [f64]) {
+        let end = self.q.len() - 2 * MARGIN;
+        for run in (start..end).step_by(RUN) {
+            let groups = (end.min(run + RUN) - run).div_ceil(LANES);
+            let part = MARGIN - REACH + run..;
+            let of_run = lag_sums::<DONE>(&self.q[part.clone()], &self.p[part], groups);
+            add(of_run, sums);
         }
     }
-    sums.map(|lanes| lanes.iter().sum())
+}
+
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx2", "x86_64+avx2"))]
+fn lag_sums<const DONE: usize>(q: &[f64], p: &[f64], groups: usize) -> [[f64; LANES]; LAGS] {
+    let mut sums = [[0.0; LANES]; LAGS];
+    for group in 0..groups {
+        add_group::<DONE>(&q[group * LANES..], &p[group * LANES..], &mut sums);
+    }
+    sums
+}
+
+/// Adds the terms of the group that has its neighbours in front of it at the beginning of `q` and `p`.
+#[inline(always)]
+pub(super) fn add_group<const DONE: usize>(q: &[f64], p: &[f64], sums: &mut [[f64; LANES]; LAGS]) {
+    // Each on its own: put together from parts of its neighbours, it would take longer.
+    let p = group_at(p, REACH);
+    for (lag, sums) in (DONE + 1..).zip(sums) {
+        let (ahead, behind) = (group_at(q, REACH + lag), group_at(q, REACH - lag));
+        for lane in 0..LANES {
+            sums[lane] += p[lane] * (ahead[lane] - behind[lane]);
+        }
+    }
+}
+
+#[inline(always)]
+fn group_at(row: &[f64], at: usize) -> &[f64; LANES] {
+    &row[at..].as_chunks().0[0]
+}
+
+/// Adds the sums of a run.
+pub(super) fn add(of_run: [[f64; LANES]; LAGS], sums: &mut [f64]) {
+    for (sum, lanes) in sums.iter_mut().zip(of_run) {
+        *sum += lanes.iter().sum::<f64>();
+    }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::runs;
     use super::super::tests::row;
     use super::*;
 
     #[test]
     fn lag_sums_are_those_of_the_definition() {
+        let mut padded = Padded::default();
         for samples in [32, 33, 40, 63, 100, 519, 531, 1600] {
             let (q, p) = (
                 row(samples, |s| (97.0 * s * s).sin()),
                 row(samples, |s| (71.0 * s).cos()),
             );
-            let mut sums = [0.0; REACH];
-            for done in [0, LAGS] {
-                runs(samples).for_each(|run| add_lags(&q, &p, run, done, &mut sums));
-                add_lags_of_ends(&q, &p, done, &mut sums);
-            }
+            padded.copy(&q, &p);
+            let mut sums = [0.0; 2 * LAGS];
+            padded.add_lags::<0>(0, &mut sums);
+            padded.add_lags::<LAGS>(0, &mut sums[LAGS..]);
             for (k, sum) in (1..).zip(sums) {
                 let around = |j: usize| q[(j + k) % samples] - q[(j + samples - k) % samples];
                 let expected: f64 = (0..samples).map(|j| p[j] * around(j)).sum();

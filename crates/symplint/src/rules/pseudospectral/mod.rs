@@ -33,7 +33,7 @@ use transform::{Transform, transform};
 
 thread_local! {
     /// Kept for the next integral: of few degrees of freedom, making it would take as long as using it.
-    static IDLE: Cell<Option<Workspace>> = const { Cell::new(None) };
+    static IDLE: Cell<Option<Box<Workspace>>> = const { Cell::new(None) };
 }
 
 /// Buffers of one thread.
@@ -42,6 +42,7 @@ struct Workspace {
     scratch: Vec<Complex64>,
     unwrapped: Vec<f64>,
     modes: Vec<Complex64>,
+    band: banded::Visit,
 }
 
 impl Workspace {
@@ -49,7 +50,7 @@ impl Workspace {
     fn lend<R>(transform: &Transform, work: impl FnOnce(&mut Self) -> R) -> R {
         let mut workspace = (IDLE.take())
             .filter(|idle| idle.modes.len() == transform.len())
-            .unwrap_or_else(|| Workspace::new(Transform::clone(transform)));
+            .unwrap_or_else(|| Box::new(Workspace::new(Transform::clone(transform))));
         let result = work(&mut workspace);
         IDLE.set(Some(workspace));
         result
@@ -61,6 +62,7 @@ impl Workspace {
             unwrapped: Vec::new(),
             modes: vec![Complex64::ZERO; transform.len()],
             transform,
+            band: banded::Visit::new(),
         }
     }
 
@@ -76,7 +78,7 @@ impl Workspace {
             take_off_ramp(&mut self.unwrapped, gain);
             periodic = &self.unwrapped;
         }
-        if banded && let Some(found) = banded::integrate(periodic, p, gain) {
+        if banded && let Some(found) = banded::integrate(&mut self.band, periodic, p, gain) {
             return found;
         }
         let mut scalings = pack(&mut self.modes, periodic, p);
