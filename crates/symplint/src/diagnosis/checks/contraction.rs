@@ -4,8 +4,10 @@ use super::localise::{MAX_BOUNDARY_EVALUATIONS, MIN_HALVING_EVALUATIONS, contrac
 use super::{GivenLoop, Runner};
 use crate::error::Error;
 use crate::evidence::{Check, LoopEvidence, LoopKind, OmissionReason, StepEvidence};
-use crate::jacobian::JacobianEvidence;
+use crate::jacobian::{JacobianEvidence, JacobianTest};
+use crate::map::LoopSize;
 use crate::rules::Subject;
+use crate::signal::parameters;
 
 impl Runner<'_> {
     /// The loop without breaks whose integral changes most, and the step in which it does.
@@ -31,7 +33,7 @@ impl Runner<'_> {
     }
 
     /// If a loop integral changes and the Jacobian does not show why, tests whether the loop can be contracted in the
-    /// domain of the map.
+    /// domain of the map. If the Jacobian was not tested, one point of it is.
     pub(super) fn contract(
         &mut self,
         subject: Subject<'_>,
@@ -56,7 +58,11 @@ impl Runner<'_> {
             .random_loop_of(found, &given.size, subject)?;
         let subject = subject.on(random.as_ref());
         subject.evaluator.begin_loop();
-        match contraction(subject, &given.size, self.size_of(step), step) {
+        let h = self.size_of(step);
+        if of_jacobian.is_none() && self.one_point_shows_defect(subject, &given.size, h) {
+            return Ok(());
+        }
+        match contraction(subject, &given.size, h, step) {
             // A boundary was not resolved, as no more evaluations were left.
             Ok(None) if self.count.left() < MAX_BOUNDARY_EVALUATIONS => {
                 self.omit(Check::Contraction, OmissionReason::BUDGET);
@@ -67,5 +73,21 @@ impl Runner<'_> {
             Err(error) => return Err(error),
         }
         Ok(())
+    }
+
+    /// Whether the Jacobian at one point of the loop has a defect: then so has that of a neighbourhood, and the disc need not be halved
+    /// many times.
+    fn one_point_shows_defect(&self, subject: Subject<'_>, size: &LoopSize, h: f64) -> bool {
+        let evaluator = subject.evaluator;
+        let one = JacobianTest {
+            points: 1,
+            ..JacobianTest::default()
+        };
+        let budget = one.evaluations(evaluator.dof(), evaluator.has_tangent());
+        let is_affordable = budget + MIN_HALVING_EVALUATIONS <= self.count.left();
+        let one = JacobianTest { budget, ..one };
+        // The map need not be defined beside the loop.
+        let test = || one.run_at(evaluator, subject.phase_loop, size, h, parameters(1));
+        is_affordable && test().is_ok_and(|found| found.shows_defect())
     }
 }
