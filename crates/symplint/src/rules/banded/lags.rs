@@ -1,5 +1,7 @@
 //! Sums of products of samples a few places apart.
 
+use std::ops::Range;
+
 use multiversion::multiversion;
 
 use super::{LANES, RUN};
@@ -10,14 +12,13 @@ pub(super) const LAGS: usize = 5;
 /// Lags of the highest order, in whole groups: so far the neighbours of a sample reach.
 const REACH: usize = (2 * LAGS).next_multiple_of(LANES);
 
-/// Groups between the one that is copied and the one that is summed: the neighbours of this one are stored by then.
-pub(super) const DELAY: usize = 2;
+/// Groups between the one that is copied and the one that is summed: the neighbours of this one have reached the cache.
+const DELAY: usize = 4;
 
-/// Samples on either side of a row.
+/// Samples before those that are copied next.
 pub(super) const MARGIN: usize = REACH + DELAY * LANES;
 
-/// A row of q between samples from its other end, and one of p, less its first sample, between zeros: each group has its neighbours beside it,
-/// and what is no sample adds nothing.
+/// Samples of q, and of p less the first of its row, so that each group has its neighbours beside it. Zeros of p add nothing.
 #[derive(Default)]
 pub(in crate::rules) struct Padded {
     pub q: Vec<f64>,
@@ -25,40 +26,55 @@ pub(in crate::rules) struct Padded {
 }
 
 impl Padded {
-    /// Makes room for this number of samples, with what is beside them; `q` are the samples or, with a `stride` of 2, twice their number.
-    pub fn open(&mut self, samples: usize, q: &[f64], stride: usize) {
+    /// Begins with every second sample of rows, of which a run is copied at a time.
+    pub fn open(&mut self, q: &[f64]) {
+        self.resize(RUN / 2);
+        let last = q[q.len() - 2 * MARGIN..].iter().step_by(2);
+        (self.q.iter_mut().zip(last)).for_each(|(to, from)| *to = *from);
+        self.p[..MARGIN].fill(0.0);
+    }
+
+    /// Makes room for the next run behind one of this number of samples, of which the last groups are yet to be summed.
+    pub fn advance(&mut self, samples: usize) {
+        for row in [&mut self.q, &mut self.p] {
+            row.copy_within(samples..samples + MARGIN, 0);
+        }
+    }
+
+    /// Adds the last groups of every second sample: `copied` ones are behind the margin, of which `own` are not round the end of the row.
+    pub fn close(&mut self, q: &[f64], copied: usize, own: usize, sums: &mut [f64]) {
+        let behind = self.q[MARGIN + copied..].iter_mut();
+        let next = q[2 * (copied - own)..].iter().step_by(2);
+        behind.zip(next).for_each(|(to, from)| *to = *from);
+        self.p[MARGIN + own..].fill(0.0);
+        self.add_lags::<0>(copied + REACH..MARGIN + own, sums);
+    }
+
+    /// Whole rows. Returns where they are.
+    pub fn copy(&mut self, q: &[f64], p: &[f64]) -> Range<usize> {
+        let samples = q.len();
+        let own = MARGIN..MARGIN + samples;
+        self.resize(samples);
+        self.q[..MARGIN].copy_from_slice(&q[samples - MARGIN..]);
+        self.q[own.clone()].copy_from_slice(q);
+        self.q[own.end..].copy_from_slice(&q[..MARGIN]);
+        self.p[..MARGIN].fill(0.0);
+        (self.p[own.clone()].iter_mut().zip(p)).for_each(|(to, x)| *to = x - p[0]);
+        self.p[own.end..].fill(0.0);
+        own
+    }
+
+    fn resize(&mut self, samples: usize) {
         self.q.resize(samples + 2 * MARGIN, 0.0);
         self.p.resize(samples + 2 * MARGIN, 0.0);
-        let last = &q[q.len() - stride * MARGIN..];
-        (self.q.iter_mut().zip(last.iter().step_by(stride))).for_each(|(to, from)| *to = *from);
-        self.p[..MARGIN].fill(0.0);
-        self.close(q, stride);
     }
 
-    /// Writes what is behind the last sample.
-    pub fn close(&mut self, q: &[f64], stride: usize) {
-        let behind = self.q.len() - MARGIN;
-        (self.q[behind..].iter_mut().zip(q.iter().step_by(stride)))
-            .for_each(|(to, from)| *to = *from);
-        self.p[behind..].fill(0.0);
-    }
-
-    /// Whole rows.
-    pub fn copy(&mut self, q: &[f64], p: &[f64]) {
-        let samples = MARGIN..MARGIN + q.len();
-        self.open(q.len(), q, 1);
-        self.q[samples.clone()].copy_from_slice(q);
-        (self.p[samples].iter_mut().zip(p)).for_each(|(to, x)| *to = x - p[0]);
-    }
-
-    /// Adds Σ_j p_j (q_{j+k} − q_{j−k}) for the samples from `start` on and the [`LAGS`] lags k after `DONE`.
-    pub fn add_lags<const DONE: usize>(&self, start: usize, sums: &mut [f64]) {
-        let end = self.q.len() - 2 * MARGIN;
-        for run in (start..end).step_by(RUN) {
-            let groups = (end.min(run + RUN) - run).div_ceil(LANES);
-            let part = MARGIN - REACH + run..;
-            let of_run = lag_sums::<DONE>(&self.q[part.clone()], &self.p[part], groups);
-            add(of_run, sums);
+    /// Adds Σ_j p_j (q_{j+k} − q_{j−k}) for the samples at these places, and the [`LAGS`] lags k after `DONE`.
+    pub fn add_lags<const DONE: usize>(&self, places: Range<usize>, sums: &mut [f64]) {
+        for run in places.clone().step_by(RUN) {
+            let groups = (places.end.min(run + RUN) - run).div_ceil(LANES);
+            let (q, p) = (&self.q[run - REACH..], &self.p[run - REACH..]);
+            add(lag_sums::<DONE>(q, p, groups), sums);
         }
     }
 }
@@ -105,15 +121,15 @@ mod tests {
     #[test]
     fn lag_sums_are_those_of_the_definition() {
         let mut padded = Padded::default();
-        for samples in [32, 33, 40, 63, 100, 519, 531, 1600] {
+        for samples in [48, 49, 56, 63, 100, 519, 531, 1600] {
             let (q, p) = (
                 row(samples, |s| (97.0 * s * s).sin()),
                 row(samples, |s| (71.0 * s).cos()),
             );
-            padded.copy(&q, &p);
+            let places = padded.copy(&q, &p);
             let mut sums = [0.0; 2 * LAGS];
-            padded.add_lags::<0>(0, &mut sums);
-            padded.add_lags::<LAGS>(0, &mut sums[LAGS..]);
+            padded.add_lags::<0>(places.clone(), &mut sums);
+            padded.add_lags::<LAGS>(places, &mut sums[LAGS..]);
             for (k, sum) in (1..).zip(sums) {
                 let around = |j: usize| q[(j + k) % samples] - q[(j + samples - k) % samples];
                 let expected: f64 = (0..samples).map(|j| p[j] * around(j)).sum();

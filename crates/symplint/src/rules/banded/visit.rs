@@ -3,7 +3,7 @@
 use multiversion::multiversion;
 
 use super::inspection::{DIFFERENCE, Inspection, P_STRIDE, PWindows, QWindows, SPAN};
-use super::lags::{DELAY, LAGS, MARGIN, Padded, add, add_group};
+use super::lags::{LAGS, MARGIN, Padded, add, add_group};
 use super::{LANES, RUN};
 use crate::signal::prefetch;
 
@@ -15,7 +15,7 @@ const AHEAD: usize = 256;
 pub(in crate::rules) struct Visit {
     of_q: QWindows,
     of_p: PWindows,
-    /// Every second sample; all if the rule writes them.
+    /// Every second sample of a run; all samples if the rule copies them.
     pub padded: Padded,
 }
 
@@ -32,38 +32,34 @@ impl Visit {
     /// The number of samples is even.
     pub fn visit(&mut self, q: &[f64], p: &[f64], sums: &mut [f64]) -> Option<[Inspection; 2]> {
         let samples = q.len();
+        let firsts = [q[0], p[0]];
         self.of_q.clear();
         self.of_p.clear();
-        self.padded.open(samples / 2, q, 2);
+        self.padded.open(q);
         for run in (0..samples).step_by(RUN) {
             let part = run..(run + RUN + SPAN - P_STRIDE).min(samples);
-            self.run(run, [&q[part.clone()], &p[part]], [q[0], p[0]], sums)?;
+            let copied = self.run([&q[part.clone()], &p[part]], firsts, sums)?;
+            self.padded.advance(copied);
         }
         // Spans that go round the end of the row.
         let done = self.of_q.spans() * P_STRIDE;
         let others = (samples - done).div_ceil(P_STRIDE);
         let [q_end, p_end]: [[f64; 2 * SPAN]; 2] = [round_end(q, done), round_end(p, done)];
         let part = ..(others - 1) * P_STRIDE + SPAN;
-        self.run(done, [&q_end[part], &p_end[part]], [q[0], p[0]], sums)?;
-        self.padded.close(q, 2);
-        let summed = (self.of_q.spans() - DELAY) * LANES;
-        self.padded.add_lags::<0>(summed, sums);
+        let copied = self.run([&q_end[part], &p_end[part]], firsts, sums)?;
+        self.padded.close(q, copied, (samples - done) / 2, sums);
         Some([self.of_q.inspection(samples), self.of_p.inspection(samples)])
     }
 
-    /// Adds the spans of a part of the rows that begins at `start`.
-    fn run(
-        &mut self,
-        start: usize,
-        [q, p]: [&[f64]; 2],
-        firsts: [f64; 2],
-        sums: &mut [f64],
-    ) -> Option<()> {
+    /// Visits the spans of a part of the rows. Returns the number of samples that were copied.
+    fn run(&mut self, [q, p]: [&[f64]; 2], firsts: [f64; 2], sums: &mut [f64]) -> Option<usize> {
         let Visit { of_q, of_p, padded } = self;
-        let (q_half, p_half) = (&mut padded.q[start / 2..], &mut padded.p[start / 2..]);
-        add(visit_spans(q, p, firsts, of_q, of_p, q_half, p_half), sums);
+        let before = of_q.spans();
+        let of_run = visit_spans(q, p, firsts, of_q, of_p, &mut padded.q, &mut padded.p);
+        add(of_run, sums);
         of_q.check()?;
-        of_p.check()
+        of_p.check()?;
+        Some((of_q.spans() - before) * LANES)
     }
 }
 
