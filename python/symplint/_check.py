@@ -187,9 +187,9 @@ def check(
     dtype : "float32", optional
         For a step that computes in single precision: it gets arrays of this type.
     jacobian : bool or "auto"
-        Whether the Jacobian of one step is also tested. "auto" also calls the step with arrays of JAX or tensors of torch, if it takes
-        and returns them. ``jax.jvp`` or ``torch.func.jvp`` then gives the exact Jacobian. A step that cannot be traced causes a warning.
-        A step that ``jax.jit`` compiled does not need "auto".
+        Whether the Jacobian of one step is also tested. If False, it is tested at one point, and only if a loop integral changes. "auto"
+        also calls the step with arrays of JAX or tensors of torch, if it takes and returns them. ``jax.jvp`` or ``torch.func.jvp`` then
+        gives the exact Jacobian. A step that cannot be traced causes a warning. A step that ``jax.jit`` compiled does not need "auto".
     jvp : callable, optional
         ``jvp(q, p, h, dq, dp)`` returns the derivative of the step at (q, p) along (dq, dp), as two arrays. The Jacobian is then exact,
         and needs fewer evaluations. symplint compares the derivative with differences first. `args` follow dp. Without a step size, the

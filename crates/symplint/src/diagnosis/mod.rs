@@ -94,7 +94,7 @@ pub struct Diagnostic {
     pub order: Option<usize>,
     /// Whether a defect is traced to substeps of the map, and to parts of the loop.
     pub localise: bool,
-    /// Whether the Jacobian of the largest step is measured, too.
+    /// Whether the Jacobian of the largest step is measured, too. If not, it is measured at one point, and only if a loop integral changes.
     pub jacobian: bool,
     /// Whether other properties of the map are tested: see [`Verdict::properties`](crate::Verdict::properties).
     pub properties: bool,

@@ -35,8 +35,8 @@ use crate::state::{Coordinates, Ensemble, Rows, first_not_finite, in_parallel};
 pub enum Rule {
     /// Chosen from the advanced loop of the largest step size: pseudospectral if it is smooth
     /// enough to reach round-off that way; piecewise if it is broken, or has kinks; streaming if
-    /// ensembles would take more than 512 MiB. Of samples alone, pseudospectral; rows that are smooth to rounding have their
-    /// pseudospectral integral by central differences of order 10 or 20, which takes half of the time.
+    /// ensembles would take more than 512 MiB. Of samples alone, pseudospectral; rows of 512 samples or more, an even number, that are
+    /// smooth to rounding have their pseudospectral integral by central differences of order 10 or 20, which takes a third of the time.
     #[default]
     Auto,
     /// Differentiates q by Fourier transform: Barham & Burby, section 2.3, appendix A.

@@ -65,6 +65,37 @@ fn a_closed_kick_round_an_axis_does_not_decide() {
 }
 
 #[test]
+fn without_a_jacobian_one_point_of_it_spares_the_contraction() {
+    let alone = Diagnostic {
+        jacobian: false,
+        loops: 1,
+        budget: Some(200_000),
+        ..Diagnostic::halving(-1, -4)
+    };
+    let around = alone.run(&vortex(1.0), &circle(vec![0.1, 0.0])).unwrap();
+    assert_eq!(
+        around.verdict.kind,
+        VerdictKind::Undecided,
+        "{}",
+        around.verdict
+    );
+    // The explicit Euler method on a spring has a defect everywhere.
+    let euler = PerSample::new(2, |h: f64, q: &mut [f64], p: &mut [f64]| {
+        for (q, p) in q.iter_mut().zip(p) {
+            (*q, *p) = (*q + h * *p, *p - h * *q);
+        }
+    });
+    let found = alone.run(&euler, &circle(vec![0.1, 0.0])).unwrap();
+    assert_eq!(
+        found.verdict.kind,
+        VerdictKind::NotSymplectic,
+        "{}",
+        found.verdict
+    );
+    assert_eq!(found.evidence.contraction.map(|found| found.points), None);
+}
+
+#[test]
 fn several_axes_do_not_decide_in_any_budget() {
     let two = vortices([[0.4, 0.0, 1.0], [-0.4, 0.1, 0.7]]);
     let opposite = vortices([[0.4, 0.0, 1.0], [-0.4, 0.1, -0.5]]);

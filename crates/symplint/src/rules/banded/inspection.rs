@@ -44,7 +44,7 @@ fn largest<const COUNT: usize>(lanes: [f64; COUNT]) -> f64 {
 
 /// What windows of samples show of a coordinate, all round the loop.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::rules) struct Inspection {
+pub(super) struct Inspection {
     windows: usize,
     /// Standard deviation of the noise.
     pub noise: f64,
@@ -59,6 +59,12 @@ pub(in crate::rules) struct Inspection {
 }
 
 impl Inspection {
+    /// The largest amplitude of a mode near the Nyquist mode, of which windows show 2^23/√binom(46, 23) times the amplitude, or more than
+    /// twice.
+    pub fn shortest_mode(&self) -> f64 {
+        0.5 * self.largest
+    }
+
     /// The jump that the differences of a coordinate of this size may be, beyond what its rounding makes of them.
     pub fn jump(&self, size: f64) -> f64 {
         // About the largest of this number of differences that are noise.
@@ -71,7 +77,7 @@ impl Inspection {
     }
 }
 
-/// Samples of a span, one of which begins every [`P_STRIDE`] samples: those of its windows of q.
+/// Samples of a span: as many as its windows of q cover. A span begins every [`P_STRIDE`] samples.
 pub(super) const SPAN: usize = P_STRIDE - Q_STRIDE + WINDOW;
 
 /// Sums over the windows of q.

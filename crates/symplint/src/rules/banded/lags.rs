@@ -9,24 +9,26 @@ use super::{LANES, RUN};
 /// Lags that are summed in one pass: half of those of the highest order. They keep their sums in registers.
 pub(super) const LAGS: usize = 5;
 
-/// Lags of the highest order, in whole groups: so far the neighbours of a sample reach.
+/// Neighbours on either side that the highest order needs, rounded up to whole groups.
 const REACH: usize = (2 * LAGS).next_multiple_of(LANES);
 
-/// Groups between the one that is copied and the one that is summed: the neighbours of this one have reached the cache.
+/// Groups by which the sums lag behind the copy: what was just stored cannot be loaded at another place at once.
 const DELAY: usize = 4;
 
 /// Samples before those that are copied next.
 pub(super) const MARGIN: usize = REACH + DELAY * LANES;
 
-/// Samples of q, and of p less the first of its row, so that each group has its neighbours beside it. Zeros of p add nothing.
+/// Copies of samples of q, and of p less the first of its row, with what is beside them round the loop: for q its samples, for p zeros,
+/// which add nothing.
 #[derive(Default)]
-pub(in crate::rules) struct Padded {
+pub(super) struct Padded {
     pub q: Vec<f64>,
     pub p: Vec<f64>,
 }
 
 impl Padded {
-    /// Begins with every second sample of rows, of which a run is copied at a time.
+    /// Begins with every second sample, of which a run is copied at a time. Before the first there are the last ones, with zeros of p: they
+    /// are summed by [`close`](Self::close).
     pub fn open(&mut self, q: &[f64]) {
         self.resize(RUN / 2);
         let last = q[q.len() - 2 * MARGIN..].iter().step_by(2);
@@ -41,12 +43,16 @@ impl Padded {
         }
     }
 
-    /// Adds the last groups of every second sample: `copied` ones are behind the margin, of which `own` are not round the end of the row.
+    /// Adds the last groups of every second sample. Behind the margin there are `copied` ones, of which the first `own` are before the end of
+    /// the row.
     pub fn close(&mut self, q: &[f64], copied: usize, own: usize, sums: &mut [f64]) {
-        let behind = self.q[MARGIN + copied..].iter_mut();
         let next = q[2 * (copied - own)..].iter().step_by(2);
-        behind.zip(next).for_each(|(to, from)| *to = *from);
-        self.p[MARGIN + own..].fill(0.0);
+        let behind = &mut self.q[MARGIN + copied..][..REACH];
+        behind
+            .iter_mut()
+            .zip(next)
+            .for_each(|(to, from)| *to = *from);
+        self.p[MARGIN + own..MARGIN + copied].fill(0.0);
         self.add_lags::<0>(copied + REACH..MARGIN + own, sums);
     }
 
@@ -88,7 +94,7 @@ fn lag_sums<const DONE: usize>(q: &[f64], p: &[f64], groups: usize) -> [[f64; LA
     sums
 }
 
-/// Adds the terms of the group that has its neighbours in front of it at the beginning of `q` and `p`.
+/// Adds the terms of the group at [`REACH`]: `q` and `p` begin with its neighbours.
 #[inline(always)]
 pub(super) fn add_group<const DONE: usize>(q: &[f64], p: &[f64], sums: &mut [[f64; LANES]; LAGS]) {
     // Each on its own: put together from parts of its neighbours, it would take longer.

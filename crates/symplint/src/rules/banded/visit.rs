@@ -1,4 +1,4 @@
-//! The one visit of the samples of a degree of freedom.
+//! One pass over the samples of a degree of freedom.
 
 use multiversion::multiversion;
 
@@ -16,7 +16,7 @@ pub(in crate::rules) struct Visit {
     of_q: QWindows,
     of_p: PWindows,
     /// Every second sample of a run; all samples if the rule copies them.
-    pub padded: Padded,
+    pub(super) padded: Padded,
 }
 
 impl Visit {
@@ -30,7 +30,12 @@ impl Visit {
 
     /// Inspects both coordinates, copies every second sample and adds their lags to `sums`; `None` if samples show more than rounding.
     /// The number of samples is even.
-    pub fn visit(&mut self, q: &[f64], p: &[f64], sums: &mut [f64]) -> Option<[Inspection; 2]> {
+    pub(super) fn visit(
+        &mut self,
+        q: &[f64],
+        p: &[f64],
+        sums: &mut [f64],
+    ) -> Option<[Inspection; 2]> {
         let samples = q.len();
         let firsts = [q[0], p[0]];
         self.of_q.clear();
@@ -41,10 +46,11 @@ impl Visit {
             let copied = self.run([&q[part.clone()], &p[part]], firsts, sums)?;
             self.padded.advance(copied);
         }
-        // Spans that go round the end of the row.
+        // One or two spans that go round the end of the row.
+        const ENDS: usize = P_STRIDE + SPAN;
         let done = self.of_q.spans() * P_STRIDE;
         let others = (samples - done).div_ceil(P_STRIDE);
-        let [q_end, p_end]: [[f64; 2 * SPAN]; 2] = [round_end(q, done), round_end(p, done)];
+        let [q_end, p_end]: [[f64; ENDS]; 2] = [round_end(q, done), round_end(p, done)];
         let part = ..(others - 1) * P_STRIDE + SPAN;
         let copied = self.run([&q_end[part], &p_end[part]], firsts, sums)?;
         self.padded.close(q, copied, (samples - done) / 2, sums);
@@ -75,8 +81,8 @@ fn round_end<const COUNT: usize>(row: &[f64], start: usize) -> [f64; COUNT] {
     samples
 }
 
-/// All work on the spans of a part of the rows, span by span while it is in registers and the next are on their way from memory: their
-/// windows are added, every second sample is copied, and the terms of lags of a group that was copied before are summed.
+/// All work on the spans of a part of the rows, one span after the other, while the next ones are on their way from memory: adds its
+/// windows, copies every second sample, and sums the terms of a group that was copied before.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx2", "x86_64+avx2"))]
 fn visit_spans(
     q: &[f64],
@@ -109,4 +115,36 @@ fn visit_spans(
     of_q.end_run(count, q_sums);
     of_p.end_run(count, p_sums);
     lags
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::TAU;
+
+    use super::super::tests::row;
+    use super::*;
+
+    #[test]
+    fn sums_are_those_of_every_second_sample() {
+        let mut visit = Visit::new();
+        for samples in (512..=546).step_by(2).chain([1022, 1024, 1026, 1098, 4096]) {
+            let q = row(samples, |s| (TAU * s).sin());
+            let p = row(samples, |s| 0.3 + (TAU * s + 1.0).cos());
+            // What an earlier row left must not be read.
+            visit.padded.q.fill(f64::NAN);
+            visit.padded.p.fill(f64::NAN);
+            let mut sums = [0.0; LAGS];
+            assert!(visit.visit(&q, &p, &mut sums).is_some(), "{samples}");
+            for (k, sum) in (1..).zip(sums) {
+                let around =
+                    |j: usize| q[(j + 2 * k) % samples] - q[(j + samples - 2 * k) % samples];
+                let places = (0..samples).step_by(2);
+                let expected: f64 = places.map(|j| p[j] * around(j)).sum();
+                assert!(
+                    (sum - expected).abs() < 1e-13,
+                    "{samples}, {k}: {sum} {expected}"
+                );
+            }
+        }
+    }
 }
