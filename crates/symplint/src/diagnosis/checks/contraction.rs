@@ -75,8 +75,8 @@ impl Runner<'_> {
         Ok(())
     }
 
-    /// Whether the Jacobian has a defect at one point of the loop. Then the map is not symplectic near this point, and the change of the
-    /// integral is not only that of a few points of the disc. `false` if a boundary could no longer be resolved after the test.
+    /// Whether the Jacobian has a defect at one point of the loop. If it has, the map is not symplectic near this point, and the loop need not
+    /// be contracted. Returns `false` without a test if the test would leave too few evaluations for a boundary.
     fn one_point_shows_defect(
         &self,
         subject: Subject<'_>,

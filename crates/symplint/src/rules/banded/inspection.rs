@@ -59,8 +59,8 @@ pub(super) struct Inspection {
 }
 
 impl Inspection {
-    /// The largest amplitude of a mode near the Nyquist mode, of which windows show 2^23/√binom(46, 23) times the amplitude, or more than
-    /// twice.
+    /// The largest amplitude of a mode near the Nyquist mode. The difference of a window is 2^23/√binom(46, 23) = 2.9 times the amplitude
+    /// of such a mode, taken as twice.
     pub fn shortest_mode(&self) -> f64 {
         0.5 * self.largest
     }

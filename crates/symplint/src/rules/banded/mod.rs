@@ -77,7 +77,7 @@ pub(super) fn integrate(visit: &mut Visit, q: &[f64], p: &[f64], gain: f64) -> O
             2 => of_p.shortest_mode() * of_q.slope + of_q.shortest_mode() * of_p.slope,
             _ => 0.0,
         };
-        // The largest difference of a window is that of a jump or of a mode.
+        // A jump and a mode both explain the largest difference of a window. The one with the larger error counts.
         let hidden = folded + of_mean + of_jump.max(confused);
         let most = MAX_ERROR * scale + 2.0 * stored;
         if hidden.is_nan() || hidden > most {
