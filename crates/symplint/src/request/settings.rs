@@ -155,7 +155,8 @@ pub const SETTINGS: &[Setting] = &[
     with_default(
         "jacobian",
         "true",
-        "whether the Jacobian of one step is also tested",
+        "whether the Jacobian of one step is also tested; if not, it is tested at one point, \
+         and only if a loop integral changes",
         |of, value| value.flag().map(|flag| of.jacobian = flag),
     ),
     with_default(
